@@ -21,6 +21,7 @@
 mod build_info;
 pub mod cli;
 pub mod files;
+pub mod grains;
 pub mod handoff;
 pub mod joints;
 pub mod messages;

@@ -6,6 +6,7 @@
 //! evaluate    rates, pressures, accelerations               sleep       water at rest
 //! viscosity   flow laws, rates of shear                     sample      fields at points of probes
 //! bulk        viscosity against compression                 continued_pressure   at points of walls
+//! porosity    water that shares its volume with grains
 //! shifting    towards where particles are sparse            symmetry    reflection by planes, their force
 //! ```
 
@@ -18,6 +19,7 @@ pub mod energy;
 mod evaluate;
 pub mod exchange;
 mod packing;
+mod porosity;
 pub mod sample;
 pub(crate) mod scratch;
 mod shifting;
@@ -110,6 +112,8 @@ pub struct Fluid {
     pub(crate) diffusive_loss: f64,
     /// Energy of compression withheld from crowded particles since the ledger was opened; J.
     withheld_loss: f64,
+    /// Energy of compression that went to grains which share the volume of the water since the ledger was opened; J.
+    to_grains: f64,
     removed: Removed,
     /// Force of the planes of symmetry at the last evaluation; N.
     pub(crate) plane_force: Vec3,
@@ -190,6 +194,7 @@ impl Fluid {
             from_walls: 0.0,
             diffusive_loss: 0.0,
             withheld_loss: 0.0,
+            to_grains: 0.0,
             removed: Removed::default(),
             plane_force: Vec3::zeros(),
             reflected: Vec3::zeros(),

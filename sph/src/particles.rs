@@ -14,7 +14,8 @@ pub struct Particles {
     pub velocity: Vec<Vec3>,
     /// Mass, which never changes; sorting moves it; kg.
     pub mass: Vec<f64>,
-    /// Density; written by the evaluation, or taken on in time; kg/m³.
+    /// Density, of the mass of water per volume, that of grains between it included; written by the evaluation, or taken on in
+    /// time; kg/m³.
     pub density: Vec<f64>,
     /// Pressure at the current positions, that of bulk viscosity included; written by the evaluation; Pa.
     pub pressure: Vec<f64>,
@@ -31,6 +32,8 @@ pub struct Particles {
     /// Part of the pressure that bulk viscosity makes, from the last rates of density; moved by sorting, empty without
     /// bulk viscosity; Pa.
     pub bulk_pressure: Vec<f64>,
+    /// Share of its volume that water fills, where grains fill the rest; moved by sorting, empty without such grains; –.
+    pub porosity: Vec<f64>,
     /// Numbers given so far.
     n_made: u32,
 }
@@ -52,6 +55,7 @@ impl Particles {
             shear_rate: Vec::new(),
             viscosity: Vec::new(),
             bulk_pressure: Vec::new(),
+            porosity: Vec::new(),
             n_made: n as u32,
         }
     }
@@ -73,6 +77,21 @@ impl Particles {
         self.acceleration.push(Vec3::zeros());
         self.viscous_acceleration.push([0.0; 3]);
         self.kind.push(0);
+        if !self.porosity.is_empty() {
+            self.porosity.push(1.0);
+        }
+    }
+
+    /// Share of the volume of a particle that water fills; –.
+    #[inline]
+    pub fn porosity_of(&self, particle: usize) -> f64 {
+        self.porosity.get(particle).copied().unwrap_or(1.0)
+    }
+
+    /// Density of the water itself: that carried by the particle over its porosity; kg/m³.
+    #[inline]
+    pub fn water_density(&self, particle: usize) -> f64 {
+        self.density[particle] / self.porosity_of(particle)
     }
 
     /// Number of particles.
@@ -101,6 +120,7 @@ impl Particles {
             shear_rate,
             viscosity,
             bulk_pressure,
+            porosity,
             n_made,
         } = self;
         let n = id.len();
@@ -115,9 +135,9 @@ impl Particles {
             kind.len(),
         ];
         lengths.iter().all(|&length| length == n)
-            && [shear_rate.len(), viscosity.len(), bulk_pressure.len()]
+            && [shear_rate, viscosity, bulk_pressure, porosity]
                 .iter()
-                .all(|length| [0, n].contains(length))
+                .all(|column| [0, n].contains(&column.len()))
             && id.iter().all(|&id| u32::from(id) < *n_made)
     }
 
@@ -137,6 +157,7 @@ impl Particles {
             shear_rate,
             viscosity,
             bulk_pressure,
+            porosity,
             n_made: _,
         } = self;
         filter(id, keep);
@@ -151,6 +172,7 @@ impl Particles {
         filter(shear_rate, keep);
         filter(viscosity, keep);
         filter(bulk_pressure, keep);
+        filter(porosity, keep);
     }
 }
 

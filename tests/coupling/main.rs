@@ -28,6 +28,7 @@ mod files;
 mod floating;
 mod frame_kinds;
 mod geometry;
+mod grains_in_water;
 mod guide;
 mod handoff;
 mod hostile;

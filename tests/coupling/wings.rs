@@ -20,6 +20,7 @@ const COUPLING: &[&[&str]] = &[
     &["scene"],
     &["world"],
     &["joints"],
+    &["grains"],
     &["walls", "openings"],
     &["files", "saved", "series", "waves", "build_info"],
     &["messages"],

@@ -59,6 +59,8 @@ codes! {
     WrongUnit = "wrong-unit",
     /// Gravity that does not act downward or is not the Earth's.
     UnexpectedGravity = "unexpected-gravity",
+    /// Grains and water that do not go together as they are.
+    GrainsInWater = "grains-in-water",
     /// Options that exclude each other.
     IncompatibleOptions = "incompatible-options",
     /// An option that changes nothing here.

@@ -68,6 +68,7 @@ fn account(summary: &Value) -> Finding {
         "friction",
         "viscous",
         "bulk",
+        "drag",
         "diffusive",
         "damping",
         "strain_damping",
@@ -80,8 +81,9 @@ fn account(summary: &Value) -> Finding {
     .iter()
     .map(|name| term(name).abs())
     .sum();
-    let (unexplained, at_walls) = (term("residual"), term("at_walls"));
-    let wrong = unexplained.abs() + at_walls.abs() + term("pushed_back").abs();
+    let (unexplained, at_walls, at_grains) =
+        (term("residual"), term("at_walls"), term("at_grains"));
+    let wrong = unexplained.abs() + at_walls.abs() + at_grains.abs() + term("pushed_back").abs();
     let stored = term("potential").abs() + term("internal").abs();
     // densities that even out are no motion
     let moved = exchanged - term("diffusive").abs();
@@ -97,8 +99,12 @@ fn account(summary: &Value) -> Finding {
         share if share <= FAIR => "fair: speeds and run-up may be off by half of that share",
         _ => POOR,
     };
+    let of_grains = match at_grains == 0.0 {
+        true => String::new(),
+        false => format!(", {:.1} % at grains", 100.0 * at_grains.abs() / exchanged),
+    };
     let words = format!(
-        "energy: of {} exchanged {:.1} % are unexplained, {:.1} % introduced at walls, {:.1} % lost by particles put back: {grade}",
+        "energy: of {} exchanged {:.1} % are unexplained, {:.1} % introduced at walls{of_grains}, {:.1} % lost by particles put back: {grade}",
         joules(exchanged),
         100.0 * unexplained.abs() / exchanged,
         100.0 * at_walls.abs() / exchanged,

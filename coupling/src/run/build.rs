@@ -1,10 +1,11 @@
 //! Building the world of a scene.
 
-use riprap_dda::Blocks;
+use riprap_dda::{BlockDefinition, Blocks, Shape};
 use riprap_sph::Fluid;
 
 use super::RunError;
 use super::packing::packed;
+use crate::grains::AveragedGrains;
 use crate::joints::JointWater;
 use crate::scene::resolve::{FluidScene, Scene};
 use crate::scene::resolved::recording::Quantity;
@@ -79,7 +80,8 @@ fn pistons(scene: &Scene, blocks: &Blocks) -> Vec<AbsorbingPiston> {
 
 /// Packed water with its walls, joints and openings.
 fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, RunError> {
-    let (start, kept) = packed(water, &scene.blocks, blocks)?;
+    let solids = solids(water, scene);
+    let (start, kept) = packed(water, &solids, blocks)?;
     let mut settings = water.settings.clone();
     // what packing left out, because it would have stood above the level, is shared by all others
     let n_drawn = water.lattice.positions.len();
@@ -89,12 +91,15 @@ fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, Ru
         let kinds: Vec<_> = kept.iter().map(|&a| water.kinds[a as usize]).collect();
         fluid.set_rheologies(water.rheologies.clone(), &kinds)?;
     }
-    let walls = Walls::new(water.wall_method, &scene.blocks, blocks, &fluid, water.slip);
+    let walls = Walls::new(water.wall_method, &solids, blocks, &fluid, water.slip);
     let is_sealed = |b: usize| scene.is_sealed[b];
     let recorded = recorded(scene);
     let is_recorded = |b: usize| recorded.contains(&b);
     let boundaries = WaterBoundaries {
-        joints: JointWater::new(&scene.blocks, blocks, &fluid, (is_sealed, is_recorded)),
+        joints: JointWater::new(&solids, blocks, &fluid, (is_sealed, is_recorded)),
+        grains: (water.averaged.as_ref()).map(|averaged| {
+            AveragedGrains::new(averaged.settings.clone(), &averaged.blocks, blocks)
+        }),
         penalty: water.walls,
         walls,
         openings: water.openings.clone(),
@@ -102,6 +107,15 @@ fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, Ru
         sleeping: water.sleeping,
     };
     Ok(Water::new(fluid, boundaries, blocks)?)
+}
+
+/// Blocks as the water sees them: grains whose forces are averages have no walls.
+fn solids(water: &FluidScene, scene: &Scene) -> Vec<BlockDefinition> {
+    let mut solids = scene.blocks.clone();
+    for &block in water.averaged_blocks() {
+        solids[block].shape = Shape::Polyhedra(Vec::new());
+    }
+    solids
 }
 
 /// World of a scene's text, for the unit tests of what is in it.

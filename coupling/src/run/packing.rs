@@ -63,7 +63,7 @@ pub fn packed(
     else {
         return Ok((start, all));
     };
-    let mut interface = Interface::new(water.walls, blocks, &fluid);
+    let mut interface = Interface::new(water.walls, (blocks, water.averaged_blocks()), &fluid);
     for _ in 0..MOST_ROUNDS {
         fluid.refresh();
         interface.find(&fluid, blocks);

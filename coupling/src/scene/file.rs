@@ -34,11 +34,12 @@ pub use blocks::{
     PlacementFile, RotationFile, TurningFile,
 };
 pub use bulk::{
-    GrainRegionFile, GrainSizeFile, GrainsFile, JointSetFile, RockMassFile, SliversFile,
+    GrainRegionFile, GrainSizeFile, GrainsFile, InWaterFile, JointSetFile, RockMassFile,
+    SliversFile,
 };
 pub use fluid::{
-    FlowFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile, RegularizationFile,
-    ResolutionFile, RheologyFile,
+    AddedMassFile, DragLawFile, FlowFile, FluidFile, GrainExchangeFile, LatticeFile, RegionFile,
+    RegionShapeFile, RegularizationFile, ResolutionFile, RheologyFile,
 };
 pub use gauges::{ForcesFile, GaugeFile, GaugeKindFile, MapsFile, MassFile, TrajectoriesFile};
 pub use handoff::{HandoffFile, HandoffFormat, HandoffLineFile, HandoffTimesFile};

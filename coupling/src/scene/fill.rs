@@ -303,6 +303,7 @@ mod tests {
             lattice: LatticeFile::Cubic,
             rheology: None,
             resolution,
+            grains: crate::scene::file::GrainExchangeFile::default(),
             regions: vec![RegionFile {
                 name: "lake".into(),
                 shape,

@@ -1,5 +1,6 @@
 //! Fluid of a scene: scheme, sound speed, walls, flow laws, openings, initial pressures.
 
+mod averaged;
 mod laws;
 mod openings;
 mod scheme;
@@ -12,9 +13,10 @@ use riprap_sph::{Rheology, Settings};
 use super::error::Problem;
 use super::file::{LatticeFile, NumericsFile, RegionFile, RegionShapeFile, SceneFile, vec3};
 use super::fill::{Lattice, proportions};
-use super::resolved::{Domain, FluidScene, Region};
+use super::resolved::{Domain, FluidScene, GrainList, Region};
 use crate::messages::Code;
 use crate::walls::WallMethod;
+pub(super) use averaged::is_averaged;
 pub(super) use laws::flow_law;
 use laws::{laws, slow_viscosity};
 pub(super) use openings::short_absorbers;
@@ -41,7 +43,7 @@ pub(super) fn mould_rows(file: &SceneFile) -> usize {
 /// Fluid of the scene on its initial lattice, with every choice made.
 pub(super) fn resolve(
     file: &SceneFile,
-    (lattice, domain): (Lattice, &Domain),
+    (lattice, domain, grains): (Lattice, &Domain, &[GrainList]),
     expected_speed: f64,
     problems: &mut Vec<Problem>,
 ) -> FluidScene {
@@ -67,6 +69,7 @@ pub(super) fn resolve(
         fastest,
     };
     let sleeping = super::sleep::sleeping(file, &settings, (wall_method, lattice.depth), problems);
+    let averaged = averaged::averaged(file, grains, (&settings, wall_method), problems);
     let work = (file.time.duration, lattice.positions.len());
     problems.extend(slow_viscosity(&settings, &laws, work));
     let fluid = file.fluid.as_ref();
@@ -86,6 +89,7 @@ pub(super) fn resolve(
         absorbers: openings::absorbers(file, lattice.depth),
         openings: openings::openings(file, &lattice, &settings, problems),
         sleeping,
+        averaged,
         settings,
         lattice,
         regions,

@@ -41,8 +41,8 @@ use super::geometry::rock_mass::RockMassReport;
 use super::geometry::slides;
 use super::names::Names;
 use super::placed::placed;
-use super::resolved::Domain;
 use super::resolved::register::Register;
+use super::resolved::{Domain, GrainList};
 pub use super::resolved::{FluidScene, Made, Scene};
 use super::sliding::warn_about_bends;
 use super::{contact_dynamics, estimate, fluid, sleep, symmetry};
@@ -86,7 +86,12 @@ impl Scene {
         problems.extend(places::empty_domain(file, &solids));
         // a block of the wrong size or place would be in the way of all else
         let mut problems = without_errors(problems)?;
-        let lattice = lattice(file, &solids, access, &mut problems);
+        let lattice = lattice(
+            file,
+            (&solids, &expanded.grain_lists),
+            access,
+            &mut problems,
+        );
         let mut problems = without_errors(problems)?;
         if let Some(lattice) = &lattice {
             problems.extend(places::dry_gauges(file, &solids, lattice));
@@ -111,8 +116,10 @@ impl Scene {
         let meshes = meshes::sources(&file.blocks, &solids, access);
         problems.extend(meshes.iter().filter_map(meshes::much_volume_added));
         let domain = domain(&file.domain);
-        let fluid = lattice
-            .map(|lattice| fluid::resolve(file, (lattice, &domain), expected_speed, &mut problems));
+        let fluid = lattice.map(|lattice| {
+            let placed = (lattice, &domain, &expanded.grain_lists[..]);
+            fluid::resolve(file, placed, expected_speed, &mut problems)
+        });
         if let Some(fluid) = &fluid {
             fluid::refuse_shapes(file, &solids.named, fluid.wall_method, &mut problems);
             for maker in &solids.wave_makers {
@@ -179,6 +186,7 @@ impl Scene {
             terrain: expanded.terrain,
             rock_masses: expanded.rock_masses,
             grains: expanded.grains,
+            grain_lists: expanded.grain_lists,
             wave_makers,
             made,
             source,
@@ -218,7 +226,7 @@ fn without_errors(problems: Vec<Problem>) -> Result<Vec<Problem>, Vec<Problem>> 
 /// Initial water among the solids, and problems of both.
 fn lattice(
     file: &SceneFile,
-    solids: &Solids,
+    (solids, grains): (&Solids, &[GrainList]),
     access: &Access,
     problems: &mut Vec<Problem>,
 ) -> Option<Lattice> {
@@ -232,7 +240,16 @@ fn lattice(
     };
     let rows = fluid::mould_rows(file);
     let fluid = file.fluid.as_ref()?;
-    match lattice_within(fluid, &file.domain, named, rows, room) {
+    // grains that share space with the water are not in its way; they are the last blocks
+    let is_in_the_way = |block: usize| {
+        let list = grains.iter().find(|list| list.blocks.contains(&block));
+        !list.is_some_and(|list| list.is_averaged)
+    };
+    let in_the_way: Vec<_> = (named.iter().enumerate())
+        .filter(|(block, _)| is_in_the_way(*block))
+        .map(|(_, solid)| solid.clone())
+        .collect();
+    match lattice_within(fluid, &file.domain, &in_the_way, rows, room) {
         Ok(lattice) => {
             problems.extend(misfits(fluid, &lattice, file.domain.dimensions));
             Some(lattice)

@@ -3,6 +3,8 @@
 pub mod recording;
 pub mod register;
 
+use std::ops::Range;
+
 use riprap_dda::{Attachment, BlockDefinition, Hold, JointOverride, Material, Vec3};
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Absorber, Dimensions, Preset, Rheology, Sleeping, Symmetry};
@@ -16,6 +18,7 @@ use super::geometry::mesh::{Deviation, Survey};
 use super::geometry::rock_mass::RockMassReport;
 use super::geometry::terrain::Terrain;
 use super::wave_maker::WaveMaker;
+use crate::grains;
 use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
@@ -60,6 +63,8 @@ pub struct Scene {
     pub rock_masses: Vec<RockMassReport>,
     /// Reports of grains, whose spheres are in `blocks`.
     pub grains: Vec<GrainsReport>,
+    /// Their blocks, list by list, and whether water flows around them.
+    pub grain_lists: Vec<GrainList>,
     /// Pistons among the blocks that make waves.
     pub wave_makers: Vec<WaveMaker>,
     /// Loads, supports and bolts.
@@ -200,6 +205,43 @@ pub struct FluidScene {
     pub openings: Openings,
     /// Sleep of water at rest; `None`: all water is computed.
     pub sleeping: Option<Sleeping>,
+    /// Grains whose forces with the water are averages; `None`: water flows around all blocks.
+    pub averaged: Option<Averaged>,
+}
+
+impl FluidScene {
+    /// Blocks that water flows through, ascending.
+    pub fn averaged_blocks(&self) -> &[usize] {
+        self.averaged
+            .as_ref()
+            .map_or(&[], |averaged| &averaged.blocks)
+    }
+}
+
+/// Grains whose forces with the water are averages.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Averaged {
+    /// Their blocks, ascending.
+    pub blocks: Vec<usize>,
+    /// Numbers of the exchange.
+    pub settings: grains::Settings,
+}
+
+/// A list of grains as blocks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GrainList {
+    /// Its number in the file.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// Its blocks.
+    pub blocks: Range<usize>,
+    /// Smallest and largest diameter; m.
+    pub diameters: [f64; 2],
+    /// kg/m³.
+    pub density: f64,
+    /// Whether its forces with the water are averages.
+    pub is_averaged: bool,
 }
 
 /// An initial body of water.

@@ -5,9 +5,9 @@ use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, HandoffFile,
-    InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile,
-    StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
+    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, GrainExchangeFile,
+    HandoffFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile,
+    SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
@@ -59,6 +59,13 @@ impl Scene {
             fluid: source.fluid.clone().map(|file| FluidFile {
                 dynamic_viscosity: fluid
                     .map(|fluid| chosen_viscosity(&file, &fluid.settings.scheme)),
+                grains: GrainExchangeFile {
+                    kernel_radius: (fluid.and_then(|fluid| fluid.averaged.as_ref()))
+                        .map_or(file.grains.kernel_radius, |chosen| {
+                            Some(chosen.settings.kernel_radius)
+                        }),
+                    ..file.grains
+                },
                 ..file
             }),
             interface: fluid.map_or_else(

@@ -26,7 +26,7 @@ pub fn gap_over_spacing(walls: &WallSettings, blocks: &Blocks, fluid: &Fluid) ->
         standoff: REACH * spacing,
         ..*walls
     };
-    let mut interface = Interface::new(settings, blocks, fluid);
+    let mut interface = Interface::new(settings, (blocks, &[]), fluid);
     interface.find(fluid, blocks);
     let mut nearest = BTreeMap::new();
     for touch in interface.touches() {

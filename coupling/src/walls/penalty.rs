@@ -108,6 +108,8 @@ pub struct Interface {
     slab_axis: Option<usize>,
     /// Parts of blocks that never move, near each cell.
     fixed: PartTable,
+    /// Blocks that water flows through, grains whose forces are averages, ascending.
+    passed: Vec<usize>,
     /// Sort of the fluid at which particles near them were found, and whether each may come within their standoff before the
     /// next one.
     near_since: Option<u64>,
@@ -128,15 +130,19 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Walls for the blocks at their current positions.
-    pub fn new(settings: WallSettings, blocks: &Blocks, fluid: &Fluid) -> Self {
+    /// Walls for the blocks at their current positions, but for those that water flows through (ascending).
+    pub fn new(
+        settings: WallSettings,
+        (blocks, passed): (&Blocks, &[usize]),
+        fluid: &Fluid,
+    ) -> Self {
         let grid = fluid.grid();
         let mut fixed = PartTable::default();
         // particles move on from where they were sorted, on one side and on the other
         let reach = settings.standoff + 2.0 * fluid.farthest_from_sort();
         update(
             &mut fixed,
-            blocks.fixed_parts(),
+            blocks.fixed_parts().filter(solid(blocks, passed)),
             (blocks, grid),
             (&settings, reach),
         );
@@ -152,6 +158,7 @@ impl Interface {
                 (0..3).find(|&axis| n_periodic == 1 && periodic[axis])
             },
             fixed,
+            passed: passed.to_vec(),
             near_since: None,
             is_near_fixed: Vec::new(),
             moving: PartTable::default(),
@@ -242,7 +249,7 @@ impl Interface {
     pub fn find(&mut self, fluid: &Fluid, blocks: &Blocks) {
         update(
             &mut self.moving,
-            blocks.movable_parts(),
+            blocks.movable_parts().filter(solid(blocks, &self.passed)),
             (blocks, fluid.grid()),
             (&self.settings, self.settings.standoff),
         );
@@ -565,6 +572,17 @@ impl Interface {
         }
     }
 
+    /// Adds a force of the fluid on a block, with the part of it that is drag; N.
+    pub fn add_force(&mut self, block: usize, force: Vec3, drag: Vec3) {
+        let load = |force: Vec3| Load {
+            force,
+            ..Load::default()
+        };
+        let (all, shear) = (self.in_plane(load(force)), self.in_plane(load(drag)));
+        self.loads[block] += all;
+        self.shears[block] += shear;
+    }
+
     /// A slab does not let a block strain across its plane.
     fn hold_across(&mut self, block: usize) {
         if let Some(axis) = self.slab_axis {
@@ -648,6 +666,11 @@ impl Solids for Reaching<'_> {
 }
 
 /// Brings up to date which parts of blocks are near each cell.
+/// Whether a part is of a block that water does not flow through.
+fn solid<'a>(blocks: &'a Blocks, passed: &'a [usize]) -> impl Fn(&usize) -> bool + 'a {
+    |&part| passed.binary_search(&blocks.block_of_part(part)).is_err()
+}
+
 fn update(
     table: &mut PartTable,
     parts: impl Iterator<Item = usize>,

@@ -30,6 +30,10 @@ impl World {
         let out = water.interface.save(out)?;
         let out = water.joints.save(out)?;
         let out = water.openings.save(out)?;
+        let out = match &water.grains {
+            None => out,
+            Some(grains) => grains.save(out)?,
+        };
         match &water.walls {
             None => Ok(out),
             Some(walls) => walls.save(out),
@@ -65,6 +69,10 @@ impl World {
         let bytes = water.interface.read(bytes)?;
         let bytes = water.joints.read(bytes)?;
         let bytes = water.openings.read(bytes)?;
+        let bytes = match &mut water.grains {
+            None => bytes,
+            Some(grains) => grains.read(bytes)?,
+        };
         match &mut water.walls {
             None => Ok(bytes),
             Some(walls) => walls.read(bytes, &mut water.fluid, &self.blocks),

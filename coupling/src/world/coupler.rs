@@ -10,6 +10,7 @@
 
 use riprap_sph::{Boundary, Fluid, FluidError, Part, Phase, Stage};
 
+use crate::grains::AveragedGrains;
 use crate::joints::JointWater;
 use crate::openings::Openings;
 use crate::walls::Walls;
@@ -29,6 +30,7 @@ pub(super) struct Coupler<'a> {
     pub(super) interface: &'a mut Interface,
     pub(super) walls: &'a mut Option<Walls>,
     joints: &'a mut JointWater,
+    grains: &'a mut Option<AveragedGrains>,
     pub(super) openings: &'a mut Openings,
     /// Steps of the blocks in a whole step, and the number of those taken.
     of_blocks: BlockSteps,
@@ -73,6 +75,7 @@ impl World {
             interface,
             walls,
             joints,
+            grains,
             openings,
             absorbers: _,
             sleeping: _,
@@ -88,6 +91,7 @@ impl World {
             interface,
             walls,
             joints,
+            grains,
             openings,
             of_blocks,
             block_steps_taken: 0,
@@ -126,7 +130,7 @@ impl Coupler<'_> {
         }
     }
 
-    fn book_walls(&mut self, dt: f64) {
+    fn book_walls(&mut self, fluid: &Fluid, dt: f64) {
         if self.rock.are_held() {
             return;
         }
@@ -135,6 +139,9 @@ impl Coupler<'_> {
             ledger.book_walls(walls, blocks, dt);
         }
         ledger.book_joints(self.joints, blocks, dt);
+        if let Some(grains) = &*self.grains {
+            ledger.book_grains(grains, fluid, blocks, dt);
+        }
     }
 }
 
@@ -153,9 +160,9 @@ impl Boundary for Coupler<'_> {
             walls.record_start(self.rock.blocks);
         }
         self.searched();
-        let in_walls = match &self.walls {
-            Some(_) => InWalls::Yes,
-            None => InWalls::No,
+        let in_walls = match (&self.walls, &self.grains) {
+            (None, None) => InWalls::No,
+            _ => InWalls::Yes,
         };
         let advanced = self.rock.advance(from, dt, of_blocks, in_walls);
         self.block_steps_taken += advanced.map_err(Stopped::Step)?;
@@ -223,6 +230,11 @@ impl Boundary for Coupler<'_> {
     }
 
     fn hold(&mut self, fluid: &mut Fluid, stage: Stage, dt: f64) {
+        if let Some(grains) = &mut *self.grains {
+            grains.find(fluid, self.rock.blocks, dt);
+            self.rock.progress.ledger.compress(grains.take_compressed());
+            self.summed();
+        }
         let imposed = self.openings.hold(fluid, self.time() + dt);
         // not booked half way: the corrector starts again from the start
         if stage == Stage::End {
@@ -279,6 +291,13 @@ impl Boundary for Coupler<'_> {
             self.joints.update(fluid, blocks, time);
             self.interface.add_pressures(self.joints.loads());
         }
+        if let Some(grains) = &mut *self.grains {
+            grains.update(fluid, blocks, (&self.rock.bodies.dry, held));
+            for (block, on_grain) in grains.forces() {
+                let force = on_grain.pressure + on_grain.drag;
+                self.interface.add_force(block, force, on_grain.drag);
+            }
+        }
         self.summed();
     }
 
@@ -293,7 +312,7 @@ impl Boundary for Coupler<'_> {
             blocks: &*self.rock.blocks,
         };
         self.rock.progress.ledger.book(fluid, &holding, dt);
-        self.book_walls(0.5 * dt);
+        self.book_walls(fluid, 0.5 * dt);
     }
 
     fn end_kick(&mut self, fluid: &mut Fluid, dt: f64) {
@@ -309,7 +328,7 @@ impl Boundary for Coupler<'_> {
                 account.book(self.interface, self.joints, dt);
             }
         }
-        self.book_walls(0.5 * dt);
+        self.book_walls(fluid, 0.5 * dt);
     }
 
     fn predicted(&mut self, fluid: &mut Fluid) {

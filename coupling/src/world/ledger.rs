@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::grains::AveragedGrains;
 use crate::joints::JointWater;
 use crate::walls::Walls;
 use crate::walls::penalty::Interface;
@@ -47,6 +48,8 @@ energy_terms! {
     viscous,
     /// Taken by bulk viscosity.
     bulk,
+    /// Taken by drag between water and grains whose forces are averages.
+    drag,
     /// Of compression, taken by density diffusion.
     diffusive,
     /// Taken by the dashpots of contacts and walls.
@@ -79,6 +82,9 @@ energy_terms! {
     /// blocks, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is extrapolated from the water and its work is not stored: an
     /// error of the walls, which decreases with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
     at_walls,
+    /// Energy introduced by the averaged pressure on grains: its work on grains and water, which is not quite what their motion
+    /// takes from the compression of the water: an error of the averages, which decreases with the spacing.
+    at_grains,
     /// Energy unexplained by the terms above since the start: the error of the scheme.
     residual,
 }
@@ -94,6 +100,7 @@ impl Energy {
         self.friction
             + self.viscous
             + self.bulk
+            + self.drag
             + self.diffusive
             + self.damping
             + self.strain_damping
@@ -139,6 +146,10 @@ pub(crate) struct Ledger {
     pressed: f64,
     /// The same through their shear; J.
     dragged: f64,
+    /// Taken by drag of grains; J.
+    drag: f64,
+    /// Brought in by the averaged pressure on grains; J.
+    at_grains: f64,
 }
 
 impl Ledger {
@@ -165,6 +176,27 @@ impl Ledger {
     /// apart in one kick and return by the next, which the velocities before each kick alone would book as work.
     pub(crate) fn book_joints(&mut self, joints: &JointWater, blocks: &Blocks, dt: f64) {
         self.joint_water += joints.power_on_free_blocks(blocks) * dt;
+    }
+
+    /// Books the energy of compression (J) that grains brought into the water by the room they take.
+    pub(crate) fn compress(&mut self, brought: f64) {
+        self.at_grains += brought;
+    }
+
+    /// Books the exchange of averaged forces with grains over `dt`, as [`Self::book_walls`].
+    pub(crate) fn book_grains(
+        &mut self,
+        grains: &AveragedGrains,
+        fluid: &Fluid,
+        blocks: &Blocks,
+        dt: f64,
+    ) {
+        let power = grains.power(fluid, blocks);
+        self.drag += power.drag * dt;
+        self.at_grains += power.pressure * dt;
+        self.wall_work += power.by_prescribed * dt;
+        self.impulse += power.held * dt;
+        self.exchanged += power.held.norm() * dt;
     }
 
     /// Books the contribution of openings.
@@ -293,6 +325,8 @@ impl World {
                 energy.at_walls = water.fluid.energy_from_walls() - self.progress.ledger.pressed;
             }
             energy.bulk = fluid.bulk;
+            energy.drag = self.progress.ledger.drag;
+            energy.at_grains = self.progress.ledger.at_grains - water.fluid.energy_to_grains();
             energy.diffusive = fluid.diffusive;
             energy.pushed_back += water.fluid.withheld_loss();
             energy.removed += fluid.removed;
@@ -305,6 +339,7 @@ impl World {
             - energy.joint_water
             - energy.through_openings
             - energy.at_walls
+            - energy.at_grains
             - self.progress.ledger.stored_at_start;
         energy
     }

@@ -3,6 +3,7 @@
 use riprap_dda::Blocks;
 use riprap_sph::{Absorber, Exchange, Fluid, FluidError, Sleeping};
 
+use crate::grains::AveragedGrains;
 use crate::joints::JointWater;
 use crate::openings::Openings;
 use crate::walls::Walls;
@@ -19,6 +20,8 @@ pub struct Water {
     pub walls: Option<Walls>,
     /// Water in joints too narrow for particles.
     pub joints: JointWater,
+    /// Grains that exchange forces with it by averages.
+    pub grains: Option<AveragedGrains>,
     /// Inflows and outflows.
     pub openings: Openings,
     /// Layers that damp waves.
@@ -36,6 +39,8 @@ pub struct WaterBoundaries {
     pub walls: Option<Walls>,
     /// Water in joints too narrow for particles.
     pub joints: JointWater,
+    /// Grains that exchange forces with it by averages.
+    pub grains: Option<AveragedGrains>,
     /// Inflows and outflows.
     pub openings: Openings,
     /// Layers that damp waves.
@@ -59,17 +64,23 @@ impl Water {
             penalty,
             walls,
             joints,
+            mut grains,
             openings,
             absorbers,
             sleeping,
         } = boundaries;
         openings.fill(&mut fluid)?;
         fluid.refresh();
+        let passed: Vec<usize> = grains.iter().flat_map(AveragedGrains::blocks).collect();
+        if let Some(grains) = &mut grains {
+            grains.leave_room(&mut fluid, blocks);
+        }
         Ok(Self {
-            interface: Interface::new(penalty, blocks, &fluid),
+            interface: Interface::new(penalty, (blocks, &passed), &fluid),
             fluid,
             walls,
             joints,
+            grains,
             openings,
             absorbers,
             sleeping,

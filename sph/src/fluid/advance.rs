@@ -43,6 +43,8 @@ pub(crate) struct Compression {
     pub by_walls: f64,
     /// Of the flow, and withheld from crowded particles.
     pub withheld: f64,
+    /// Of the flow of water and grains together, the part of the grains.
+    pub to_grains: f64,
 }
 
 impl Fluid {
@@ -152,6 +154,7 @@ impl Fluid {
         self.diffusive_loss += change.diffusive_loss;
         self.from_walls += change.by_walls;
         self.withheld_loss += change.withheld;
+        self.to_grains += change.to_grains;
     }
 
     /// Advances the density, each particle by the time that `time` makes of its index, density and rate; returns the
@@ -160,8 +163,14 @@ impl Fluid {
         &mut self,
         time: impl Fn(usize, f64, f64) -> f64 + Sync,
     ) -> Compression {
-        let Particles { density, mass, .. } = &mut self.particles;
+        let Particles {
+            density,
+            mass,
+            porosity,
+            ..
+        } = &mut self.particles;
         let state = &self.state;
+        let porosity = |a: usize| porosity.get(a).copied().unwrap_or(1.0);
         let n_dimensions = self.settings.dimensions.count();
         let still = Still::of(self.sleep.as_deref());
         let changes = &mut self.scratch.changes;
@@ -179,9 +188,10 @@ impl Fluid {
                 }
                 let each = density.iter_mut().zip(mass).zip(rates);
                 for (a, ((density, mass), rate)) in (chunk * CHUNK..).zip(each) {
+                    let porosity = porosity(a);
                     if rate.n_found <= FEWEST_NEIGHBORS {
-                        booked.diffusive_loss += mass * state.specific_energy(*density);
-                        *density = state.reference_density;
+                        booked.diffusive_loss += mass * state.specific_energy(*density / porosity);
+                        *density = state.reference_density * porosity;
                         continue;
                     }
                     let sound = slowed_sound(rate.crowding / n_dimensions);
@@ -192,9 +202,12 @@ impl Fluid {
                     let change = total * dt;
                     // de = p/ρ² dρ, at the middle of the change
                     let middle = *density + 0.5 * change;
-                    let slope = mass * state.pressure(middle) / (middle * middle);
+                    let slope =
+                        mass * state.pressure(middle / porosity) * porosity / (middle * middle);
                     booked.diffusive_loss -= slope * diffusion * dt;
-                    booked.by_walls += slope * rate.by_walls * dt;
+                    // pressure works on the volume of both, and compresses only the water
+                    booked.by_walls += slope * rate.by_walls / porosity * dt;
+                    booked.to_grains += slope * rate.flow * (1.0 / porosity - 1.0) * dt;
                     booked.withheld += slope * withheld * dt;
                     *density += change;
                 }
@@ -204,6 +217,7 @@ impl Fluid {
             diffusive_loss: sum.diffusive_loss + change.diffusive_loss,
             by_walls: sum.by_walls + change.by_walls,
             withheld: sum.withheld + change.withheld,
+            to_grains: sum.to_grains + change.to_grains,
         })
     }
 
@@ -244,11 +258,11 @@ impl Fluid {
     /// p(limit) m (1/limit − 1/ρ)     the work of its surroundings, which feel the pressure of the limit        [J]
     /// ```
     pub fn relieve(&mut self, particle: usize, limit: f64) -> Option<f64> {
-        let density = self.particles.density[particle];
+        let density = self.particles.water_density(particle);
         if density <= limit || self.settings.scheme.density != DensityMethod::Continuity {
             return None;
         }
-        self.particles.density[particle] = limit;
+        self.particles.density[particle] = limit * self.particles.porosity_of(particle);
         let shrunk = 1.0 / limit - 1.0 / density;
         Some(self.state.pressure(limit) * shrunk * self.particles.mass[particle])
     }

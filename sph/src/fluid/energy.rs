@@ -102,7 +102,6 @@ impl Fluid {
             position,
             velocity,
             mass,
-            density,
             ..
         } = self.particles();
         let (gravity, state) = (self.settings().gravity, self.state_equation());
@@ -115,7 +114,9 @@ impl Fluid {
             momentum: exact_sum::vectors_over(n, |a| velocity[a] * own(a)),
             twice_kinetic: ExactSum::over(n, |a| own(a) * velocity[a].norm_squared()),
             work_of_gravity: ExactSum::over(n, |a| own(a) * gravity.dot(&position[a])),
-            internal: ExactSum::over(n, |a| own(a) * state.specific_energy(density[a])),
+            internal: ExactSum::over(n, |a| {
+                own(a) * state.specific_energy(self.particles().water_density(a))
+            }),
         }
     }
 
@@ -166,6 +167,12 @@ impl Fluid {
         self.withheld_loss
     }
 
+    /// Energy of compression that went to grains which share the volume of the water since the ledger was opened: the work of its
+    /// pressure on their part of the volume; J.
+    pub fn energy_to_grains(&self) -> f64 {
+        self.to_grains
+    }
+
     /// Energy that the fluid has from the pressure of walls since the ledger was opened, where density is advanced: of
     /// motion by their forces and of compression by their part of the rates; J.
     pub fn energy_from_walls(&self) -> f64 {
@@ -179,16 +186,19 @@ impl Fluid {
         self.from_walls = 0.0;
         self.diffusive_loss = 0.0;
         self.withheld_loss = 0.0;
+        self.to_grains = 0.0;
         self.removed = Removed::default();
         self.reflected = Vec3::zeros();
     }
 
     /// Root mean square of `ρ/ρ₀ − 1` over the compressed particles, those not at a free surface.
     pub fn density_error_rms(&self) -> f64 {
-        let (density, reference) = (&self.particles.density, self.settings.reference_density);
-        let excess = |a: usize| (density[a] / reference - 1.0).max(0.0);
-        let sum = ExactSum::over(density.len(), |a| excess(a).powi(2)).value();
-        let count = fixed_order_sum(density.len(), |a| u64::from(reference < density[a]));
+        let (particles, reference) = (&self.particles, self.settings.reference_density);
+        let excess = |a: usize| (particles.water_density(a) / reference - 1.0).max(0.0);
+        let sum = ExactSum::over(particles.len(), |a| excess(a).powi(2)).value();
+        let count = fixed_order_sum(particles.len(), |a| {
+            u64::from(reference < particles.water_density(a))
+        });
         if count == 0 {
             0.0
         } else {

@@ -29,10 +29,12 @@ impl Fluid {
 
     /// Rates of density from neighbors in the fluid, at the present positions and velocities.
     pub fn update_rates(&mut self) {
+        self.update_water_densities();
         if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
             sums::density_gradients(self);
         }
         self.n_pairs = sums::rates(self);
+        self.share_rates();
         self.hold_rates();
     }
 
@@ -55,9 +57,13 @@ impl Fluid {
             self.n_pairs = sums::summation(self, 1.0 / self.lattice_sum);
         }
         let Particles {
-            density, pressure, ..
+            density,
+            pressure,
+            porosity,
+            ..
         } = &mut self.particles;
         let state = &self.state;
+        let of_water = |a: usize, rho: f64| rho / porosity.get(a).copied().unwrap_or(1.0);
         let still = Still::kept(self.sleep.as_deref(), |kept| kept.pressure);
         pressure
             .par_chunks_mut(CHUNK)
@@ -65,22 +71,28 @@ impl Fluid {
             .enumerate()
             .with_min_len(16)
             .filter(|(chunk, _)| !still.has(*chunk))
-            .for_each(|(_, (pressure, density))| {
-                for (p, rho) in pressure.iter_mut().zip(density) {
-                    *p = state.pressure(*rho);
+            .for_each(|(chunk, (pressure, density))| {
+                for (a, (p, rho)) in (chunk * CHUNK..).zip(pressure.iter_mut().zip(density)) {
+                    *p = state.pressure(of_water(a, *rho));
                 }
             });
         self.add_bulk_pressure();
         if let Some(sleep) = &mut self.sleep {
             sleep.kept.pressure = true;
         }
-        let density = &self.particles.density;
+        let Particles {
+            density, porosity, ..
+        } = &self.particles;
         let limit = (1.0 + LARGEST_COMPRESSION) * self.settings.reference_density;
         // a NaN density is not below the limit either
         let first_bad = density
             .par_iter()
             .with_min_len(4096)
-            .position_first(|&rho| !(0.0 < rho && rho < limit));
+            .enumerate()
+            .position_first(|(a, &rho)| {
+                let rho = rho / porosity.get(a).copied().unwrap_or(1.0);
+                !(0.0 < rho && rho < limit)
+            });
         match first_bad {
             None => {
                 self.pack_forces();
@@ -92,7 +104,7 @@ impl Fluid {
 
     fn bad_density(&self, a: usize) -> FluidError {
         let (id, at) = (self.particles.id[a], self.particles.position[a]);
-        let density = self.particles.density[a];
+        let density = self.particles.water_density(a);
         if density.is_finite() && 0.0 < density {
             FluidError::Compressed {
                 id,

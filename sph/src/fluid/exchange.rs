@@ -50,7 +50,7 @@ pub struct Imposed {
     pub particle: u32,
     /// m/s.
     pub velocity: Vec3,
-    /// Unchanged if absent; kg/m³.
+    /// Of the water; unchanged if absent; kg/m³.
     pub density: Option<f64>,
 }
 
@@ -130,7 +130,8 @@ impl Fluid {
             sum.momentum += (one.velocity - before) * mass;
             sum.energy += 0.5 * mass * (one.velocity.norm_squared() - before.norm_squared());
             if let Some(density) = one.density {
-                let before = std::mem::replace(&mut self.particles.density[a], density);
+                let before = self.particles.water_density(a);
+                self.particles.density[a] = density * self.particles.porosity_of(a);
                 sum.energy += mass
                     * (self.state.specific_energy(density) - self.state.specific_energy(before));
             }
@@ -209,8 +210,9 @@ impl Fluid {
             at_start.1.unwrap_or(self.particles.density[a]),
         );
         let mass = self.particles.mass[a];
+        let of_water = density / self.particles.porosity_of(a);
         let specific = 0.5 * v.norm_squared() - self.settings.gravity.dot(&x)
-            + self.state.specific_energy(density);
+            + self.state.specific_energy(of_water);
         Exchange {
             count: 1,
             mass,

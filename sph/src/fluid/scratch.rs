@@ -17,6 +17,8 @@ pub(crate) struct Scratch {
     /// Packed points for the sums of rates, if water may sleep: kept from step to step, apart from those for forces.
     pub(crate) flow: AnyPoints,
     pub(crate) rates: Vec<Rate>,
+    /// Densities of the water itself, where grains share its volume; kg/m³.
+    pub(crate) water_densities: Vec<f64>,
     pub(crate) forces: Vec<ForceDensity>,
     pub(crate) gradients: Vec<[f64; 3]>,
     pub(crate) strains: Vec<StrainSums>,

@@ -136,6 +136,7 @@ impl Fluid {
             acceleration: vectors,
             kind,
             bulk_pressure,
+            porosity,
             ..
         } = &mut self.particles;
         reorder(position, order, vectors);
@@ -146,6 +147,9 @@ impl Fluid {
             // those that came in wait for their first rates
             bulk_pressure.resize(order.len(), 0.0);
             reorder(bulk_pressure, order, numbers);
+        }
+        if !porosity.is_empty() {
+            reorder(porosity, order, numbers);
         }
         let AtStart { velocity, density } = &mut self.at_start;
         if !velocity.is_empty() {

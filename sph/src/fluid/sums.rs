@@ -117,7 +117,13 @@ impl Fluid {
             (&p.position, still),
             |a| {
                 let (v, rho) = (p.velocity[a], p.density[a]);
-                [v.x, v.y, v.z, rho - reference, p.mass[a] / rho]
+                [
+                    v.x,
+                    v.y,
+                    v.z,
+                    p.water_density(a) - reference,
+                    p.mass[a] / rho,
+                ]
             },
         );
         if let Some(sleep) = &mut self.sleep {
@@ -245,7 +251,7 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
             let rates = Rates {
                 own: RateOwn {
                     velocity: &fluid.particles.velocity,
-                    density: &fluid.particles.density,
+                    density: fluid.water_densities(),
                 },
                 gradients: &fluid.scratch.extra,
             };
@@ -262,7 +268,7 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
         Packed::Flow,
         |scratch| &mut scratch.gradients,
         |fluid, setup, out| {
-            let density = &fluid.particles.density;
+            let density = fluid.water_densities();
             within(setup, &Gradients { density }, out)
         },
     );

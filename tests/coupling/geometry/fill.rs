@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use riprap::scene::error::{Problem, Severity};
 use riprap::scene::file::{
-    Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, OutOfDomainFile, RegionFile,
-    RegionShapeFile, ResolutionFile, Triple,
+    Axis, DimensionsFile, DomainFile, FluidFile, GrainExchangeFile, LatticeFile, OutOfDomainFile,
+    RegionFile, RegionShapeFile, ResolutionFile, Triple,
 };
 use riprap::scene::fill::{Lattice, lattice, narrow_gaps, overlaps};
 use riprap_dda::{Isometry, Motion, Polyhedron, Shape, Vec3};
@@ -30,6 +30,7 @@ fn fluid(regions: &[(&str, RegionShapeFile)], resolution: ResolutionFile) -> Flu
         lattice: LatticeFile::Cubic,
         rheology: None,
         resolution,
+        grains: GrainExchangeFile::default(),
         regions: regions
             .iter()
             .map(|(name, shape)| RegionFile {

@@ -75,6 +75,10 @@ examples! {
  diameter: (0.08, 0.12), mixed_with: [(diameter: (0.02, 0.03), volume_share: 0.3)], seed: 3)"#;
     GrainSizeFile: "(diameter: (0.02, 0.03), volume_share: 0.3)";
     GrainRegionFile: "Box(min: (0, 0, 0), max: (1, 1, 2))";
+    InWaterFile: "Averaged";
+    GrainExchangeFile: "(drag: Gidaspow, kernel_radius: 3)";
+    DragLawFile: "DiFelice";
+    AddedMassFile: "On";
     FluidFile: r#"(resolution: Spacing(0.05), regions: [(name: "sea", shape: Below(level: 0.6, seed: (5, 0, 0.3)))])"#;
     ResolutionFile: "Spacing(0.05)";
     LatticeFile: "Staggered";

@@ -6,7 +6,7 @@ use super::facts::{Blocks, Water};
 use super::{kernel, landslide, water};
 use crate::scene::estimate::Estimate;
 use crate::scene::resolved::recording::Barrier;
-use crate::scene::resolved::{FluidScene, MeshSource, Scene};
+use crate::scene::resolved::{FluidScene, GrainList, MeshSource, Scene};
 use crate::scene::terrain::Terrain;
 use crate::scene::terrain::triangles::Quality;
 use crate::walls::WallMethod;
@@ -213,7 +213,30 @@ fn rock_masses(scene: &Scene) -> Vec<Line> {
 
 fn grains(scene: &Scene) -> Vec<Line> {
     let reports = scene.grains.iter();
-    reports.map(|r| ("grains", r.to_string())).collect()
+    let mut lines: Vec<Line> = reports.map(|r| ("grains", r.to_string())).collect();
+    if let Some(fluid) = &scene.fluid {
+        let of = |list| ("in water", in_water(list, fluid));
+        lines.extend(scene.grain_lists.iter().map(of));
+    }
+    lines
+}
+
+/// Forces between the grains of a list and the water, and why.
+fn in_water(list: &GrainList, fluid: &FluidScene) -> String {
+    let width = 0.5 * (list.diameters[0] + list.diameters[1]) / fluid.settings.mean_spacing();
+    let name = &list.name;
+    match fluid.averaged.as_ref().filter(|_| list.is_averaged) {
+        None => format!("`{name}`: resolved, water flows around grains of {width:.1} spacings"),
+        Some(averaged) => format!(
+            "`{name}`: averaged, grains of {width:.1} spacings share space with the water; drag by {:?}, kernel of {} diameters, {} added mass",
+            averaged.settings.drag,
+            averaged.settings.kernel_radius,
+            match averaged.settings.has_added_mass {
+                true => "with",
+                false => "without",
+            }
+        ),
+    }
 }
 
 fn constraints(scene: &Scene) -> Vec<Line> {

@@ -289,10 +289,17 @@ fn water_points(water: &Water, fields: &[WaterField], sampling: &Sampling) -> Po
     let point_data = fields
         .iter()
         .map(|field| match field {
+            WaterField::Porosity => {
+                let of = |a| particles.porosity_of(a) as f32;
+                scalars("Porosity", order.clone().map(of).collect())
+            }
             WaterField::Velocity => {
                 vectors("Velocity", order.clone().map(|a| &particles.velocity[a]))
             }
-            WaterField::Density => scalars("Density", column(&particles.density)),
+            WaterField::Density => {
+                let of = |a| particles.water_density(a) as f32;
+                scalars("Density", order.clone().map(of).collect())
+            }
             WaterField::Pressure => scalars("Pressure", column(&particles.pressure)),
             WaterField::Viscosity => {
                 let of = |a| water.fluid.apparent_viscosity(a) as f32;

@@ -293,7 +293,7 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
 }
 
 /// Terms of the energy ledger, as a reader calls them.
-const TERMS: [(&str, &str); 24] = [
+const TERMS: [(&str, &str); 26] = [
     ("kinetic", "kinetic"),
     ("potential", "potential, from the lower side of the domain"),
     ("elastic", "in contacts"),
@@ -310,6 +310,7 @@ const TERMS: [(&str, &str); 24] = [
     ("static_damping", "static damping"),
     ("viscous", "viscosity of water"),
     ("bulk", "bulk viscosity"),
+    ("drag", "drag of grains in water"),
     ("diffusive", "diffusion of density"),
     ("absorbed", "absorbing layers"),
     ("pushed_back", "particles put back at walls"),
@@ -323,6 +324,7 @@ const TERMS: [(&str, &str); 24] = [
     ("joint_water", "water in joints"),
     ("through_openings", "through inflows and outflows"),
     ("at_walls", "introduced at walls by the discretization"),
+    ("at_grains", "introduced at grains by their averages"),
     ("residual", "unexplained"),
 ];
 

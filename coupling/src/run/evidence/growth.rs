@@ -174,7 +174,7 @@ fn visit(world: &World, see: &mut impl FnMut(Object, Quantity, f64)) {
         for (a, &id) in particles.id.iter().enumerate() {
             let object = Object::Particle(id);
             see(object, Quantity::Speed, particles.velocity[a].norm());
-            let deviation = (particles.density[a] / reference - 1.0).abs();
+            let deviation = (particles.water_density(a) / reference - 1.0).abs();
             see(object, Quantity::Density, deviation);
         }
     }

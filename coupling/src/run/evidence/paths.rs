@@ -79,7 +79,7 @@ impl Paths {
                             time,
                             position: particles.position[a],
                             velocity: particles.velocity[a],
-                            density: particles.density[a],
+                            density: particles.water_density(a),
                             pressure: particles.pressure[a],
                             overlap: f64::NAN,
                             speed: particles.velocity[a].norm(),

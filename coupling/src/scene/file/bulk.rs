@@ -124,6 +124,22 @@ pub struct GrainsFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Triple,
+    /// Forces between them and the water.
+    #[serde(default)]
+    pub in_water: InWaterFile,
+}
+
+/// Forces between grains and water.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum InWaterFile {
+    /// Resolved for grains of eight spacings and more, averaged for smaller ones.
+    #[default]
+    Auto,
+    /// Water flows around each grain, as around any block.
+    Resolved,
+    /// Water and grains share space: buoyancy from the averaged pressure, drag by a law, the opposite on the water. For grains of up to
+    /// two spacings; `fluid.grains` has the numbers.
+    Averaged,
 }
 
 /// A size of spheres in a mixture.

@@ -27,8 +27,56 @@ pub struct FluidFile {
     /// Initial arrangement of its particles.
     #[serde(default)]
     pub lattice: LatticeFile,
+    /// Averaged forces with grains.
+    #[serde(default)]
+    pub grains: GrainExchangeFile,
     /// Initial bodies of water.
     pub regions: Vec<RegionFile>,
+}
+
+/// Averaged forces between water and grains that are too small for its particles to flow around them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GrainExchangeFile {
+    /// Drag law.
+    #[serde(default)]
+    pub drag: DragLawFile,
+    /// Radius of the kernel of the averages, at least the support of the water; × diameter. 4, for grains of two spacings and more 3,
+    /// when left out.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "-", "minimum" = 2))]
+    pub kernel_radius: Option<f64>,
+    /// Water that grains accelerate with them, half their volume.
+    #[serde(default)]
+    pub added_mass: AddedMassFile,
+}
+
+/// Law of the drag of grains.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum DragLawFile {
+    /// Beetstra, van der Hoef & Kuipers (2007): from simulations of the flow through packings, at all porosities.
+    #[default]
+    Beetstra,
+    /// Di Felice (1994): a single grain's, with an exponent for its neighbors.
+    DiFelice,
+    /// Gidaspow (1994): Ergun's below a porosity of 0.75, Wen & Yu's above 0.85, mixed in between.
+    Gidaspow,
+    /// Ergun (1952), for packed beds.
+    Ergun,
+    /// Wen & Yu (1966), for dilute suspensions.
+    WenYu,
+}
+
+/// Water that grains accelerate with them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum AddedMassFile {
+    /// On for grains of less than three times the density of the water.
+    #[default]
+    Auto,
+    /// Adds to their inertia.
+    On,
+    /// Left out.
+    Off,
 }
 
 /// Resolution of the fluid.

@@ -124,6 +124,8 @@ pub enum WaterField {
     Viscosity,
     /// 1 where the stress is above the yield stress, 0 elsewhere.
     Yielded,
+    /// Share of space that water fills between grains of averaged forces.
+    Porosity,
 }
 
 /// An array in the block files.

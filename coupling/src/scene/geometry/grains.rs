@@ -38,8 +38,14 @@ impl GrainsFile {
         self.largest() * (1.0 + 2.0 * self.jitter)
     }
 
+    /// Smallest diameter of all sizes; m.
+    pub fn smallest(&self) -> f64 {
+        let further = self.mixed_with.iter().map(|size| size.diameter.0);
+        further.fold(self.diameter.0, f64::min)
+    }
+
     /// Largest diameter of all sizes; m.
-    fn largest(&self) -> f64 {
+    pub fn largest(&self) -> f64 {
         let further = self.mixed_with.iter().map(|size| size.diameter.1);
         further.fold(self.diameter.1, f64::max)
     }
@@ -365,6 +371,7 @@ impl std::fmt::Display for GrainsReport {
 )]
 mod tests {
     use super::*;
+    use crate::scene::file::InWaterFile;
 
     fn grains(region: GrainRegionFile, count: Option<u32>) -> GrainsFile {
         GrainsFile {
@@ -378,6 +385,7 @@ mod tests {
             jitter: 0.1,
             seed: 7,
             velocity: (0.0, 0.0, 0.0),
+            in_water: InWaterFile::Auto,
         }
     }
 

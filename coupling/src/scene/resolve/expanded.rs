@@ -8,10 +8,12 @@ use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::estimate;
 use crate::scene::file::{ExcavationFile, JointSetFile, MassFile, SceneFile, SlideFile};
+use crate::scene::fluid::is_averaged;
 use crate::scene::geometry::grains::{GrainsReport, blocks_of_grains};
 use crate::scene::geometry::rock_mass::{RockMassReport, blocks_of_masses};
 use crate::scene::geometry::slides::blocks_of_slides;
 use crate::scene::geometry::terrain::{self, Terrain};
+use crate::scene::resolved::GrainList;
 
 /// A scene of single blocks.
 pub(super) struct Expanded {
@@ -24,6 +26,8 @@ pub(super) struct Expanded {
     /// Reports of rock masses, then of slides.
     pub(super) rock_masses: Vec<RockMassReport>,
     pub(super) grains: Vec<GrainsReport>,
+    /// Their blocks, list by list.
+    pub(super) grain_lists: Vec<GrainList>,
     /// Doubtful points of slides.
     pub(super) warnings: Vec<Problem>,
 }
@@ -56,6 +60,7 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
     let most = (access.bytes() / estimate::PER_BLOCK) as usize;
     let (blocks, grains) =
         blocks_of_grains(&file.grains, &file.blocks, &file.materials, (most, access))?;
+    let grain_lists = grain_lists(&file, &grains)?;
     let mut file = file;
     file.grains.clear();
     file.blocks.extend(blocks);
@@ -65,8 +70,36 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
         of_slides,
         rock_masses,
         grains,
+        grain_lists,
         warnings,
     })
+}
+
+/// Lists of grains, whose blocks follow those of the file.
+fn grain_lists(file: &SceneFile, reports: &[GrainsReport]) -> Result<Vec<GrainList>, Vec<Problem>> {
+    let mut first = file.blocks.len();
+    let (mut lists, mut problems) = (Vec::new(), Vec::new());
+    for (index, (list, report)) in file.grains.iter().zip(reports).enumerate() {
+        let is_averaged =
+            is_averaged((index, list), file.fluid.as_ref()).unwrap_or_else(|problem| {
+                problems.push(problem);
+                false
+            });
+        let material = file.materials.iter().find(|m| m.name == list.material);
+        lists.push(GrainList {
+            index,
+            name: list.name.clone(),
+            blocks: first..first + report.n_grains,
+            diameters: [list.smallest(), list.largest()],
+            density: material.map_or(0.0, |m| m.density),
+            is_averaged,
+        });
+        first += report.n_grains;
+    }
+    match problems.is_empty() {
+        true => Ok(lists),
+        false => Err(problems),
+    }
 }
 
 /// A warning about a mass that none of its joints crosses.

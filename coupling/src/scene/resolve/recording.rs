@@ -42,6 +42,9 @@ pub(super) fn output(file: &OutputFile, duration: f64, fluid: Option<&FluidScene
         if fluid.is_some_and(|fluid| !fluid.rheologies.is_empty()) {
             fields.extend([WaterField::Viscosity, WaterField::Yielded]);
         }
+        if fluid.is_some_and(|fluid| fluid.averaged.is_some()) {
+            fields.push(WaterField::Porosity);
+        }
         fields
     };
     let frame_interval = file.frame_interval.unwrap_or(duration / FRAMES);
