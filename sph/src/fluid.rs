@@ -6,6 +6,7 @@
 //! evaluate    rates, pressures, accelerations               sleep       water at rest
 //! viscosity   flow laws, rates of shear                     sample      fields at points of probes
 //! bulk        viscosity against compression                 continued_pressure   at points of walls
+//! viscous_step   implicit viscosity
 //! shifting    towards where particles are sparse            symmetry    reflection by planes, their force
 //! ```
 
@@ -28,6 +29,7 @@ pub(crate) mod sums;
 mod surface;
 mod symmetry;
 mod viscosity;
+pub(crate) mod viscous_step;
 pub(crate) mod wall_sums;
 
 use crate::error::FluidError;
@@ -100,6 +102,8 @@ pub struct Fluid {
     max_speed: f64,
     /// Ordered pairs of the last sum.
     n_pairs: u64,
+    /// Products of the last implicit viscous step.
+    n_products: u32,
     /// Work of the viscous force on the fluid since the ledger was opened, negated; J.
     viscous_loss: f64,
     /// Energy taken by bulk viscosity since the ledger was opened; J.
@@ -185,6 +189,7 @@ impl Fluid {
             moved: f64::INFINITY,
             max_speed: 0.0,
             n_pairs: 0,
+            n_products: 0,
             viscous_loss: 0.0,
             bulk_loss: 0.0,
             from_walls: 0.0,

@@ -106,7 +106,7 @@ pub use neighbors::{cells, mirror};
 pub use particles::Particles;
 pub use preset::{Preset, PresetParameters};
 pub use rheology::{Regularization, Rheology};
-pub use scheme::{Precision, Scheme, Stepping};
+pub use scheme::{Precision, Scheme, Stepping, ViscousStep};
 pub use settings::{Settings, StepLimits};
 pub use state_equation::{NegativePressure, StateEquation};
 

@@ -150,6 +150,7 @@ struct Scratch {
     extrapolated: Vec<Extrapolated>,
     concentrations: Vec<Concentration>,
     strains: Vec<StrainSums>,
+    drags: Vec<[f64; 3]>,
     /// Share of its viscous force that each particle keeps; above 1 where a unit viscosity was summed.
     kept: Vec<f64>,
     /// The same for the particles near walls.

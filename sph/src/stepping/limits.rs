@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::scheme::{DensityMethod, Viscosity};
+use crate::scheme::{DensityMethod, Viscosity, ViscousStep};
 use crate::settings::StepLimits;
 use crate::{Fluid, Vec3};
 
@@ -21,7 +21,7 @@ impl Fluid {
     /// allows 0.112 to 0.128 h²/ν along lines of centers, where one wave has all of the 2(d + 2), and
     /// 0.29 to 0.32 after Morris; a wall that does not slip mirrors velocities and takes some of that.
     /// That of the force is the customary one at a factor of 0.5. Where viscosity varies ν is the largest of
-    /// any particle over ρ₀.
+    /// any particle over ρ₀. Implicit viscous steps have no limit of viscosity.
     pub fn step_limits(&self) -> StepLimits {
         let s = &self.settings;
         let (h, support) = (s.smoothing_length, s.support_radius());
@@ -39,7 +39,12 @@ impl Fluid {
         };
         StepLimits {
             sound: s.time_step_factor * sound / (s.sound_speed + self.max_speed()),
-            viscosity: s.time_step_factor * viscous_share / self.largest_kinematic_viscosity(),
+            viscosity: match s.scheme.viscous_step {
+                ViscousStep::Implicit => f64::INFINITY,
+                ViscousStep::Explicit => {
+                    s.time_step_factor * viscous_share / self.largest_kinematic_viscosity()
+                }
+            },
             force: s.time_step_factor
                 * 0.5
                 * (h / largest_norm(&self.particles.acceleration)).sqrt(),

@@ -47,6 +47,9 @@ impl Slip {
 /// Viscosity with which shear along rough walls is summed, before it is scaled to the law of the wall; Pa s.
 const UNIT_VISCOSITY: f64 = 1.0;
 
+/// Change of the velocity of a particle against that of its mirror image in a wall at rest, over its own.
+const MIRRORED: f64 = 2.0;
+
 impl WallParticles {
     /// Viscosity model along these walls.
     pub(super) fn shearing<'a>(&'a self, fluid: &'a Fluid) -> Shearing<'a> {
@@ -93,6 +96,50 @@ impl WallParticles {
         if self.slip.is_scaled() {
             self.keep(fluid, 1.0);
         }
+    }
+
+    /// Resists the change of velocity of the fluid in an implicit viscous step: walls along which it does not slip. Shear up to the
+    /// limit of friction, or by the law of the wall, stays that of the present velocities.
+    pub fn add_resistance(&mut self, fluid: &mut Fluid) {
+        if self.nearby_particles.is_empty() || self.slip != Slip::None {
+            return;
+        }
+        self.list_points(fluid);
+        let mut drags = std::mem::take(&mut self.scratch.drags);
+        drags.resize(self.nearby_particles.len(), [0.0; 3]);
+        wall_sums::drags_of_unit(
+            fluid,
+            self.neighborhood(fluid),
+            self.near_points(fluid),
+            self.shearing(fluid),
+            &mut drags,
+        );
+        let near = self.nearby_particles.iter().zip(&drags);
+        fluid.resist(near.map(|(&a, drag)| (a, -MIRRORED * drag[0])));
+        self.scratch.drags = drags;
+    }
+
+    /// Calls `visit` with every wet point, its position (m) and the force (N) of the change of the fluid's velocities in an implicit viscous
+    /// step on it, in order; after [`Self::add_resistance`].
+    pub fn visit_drag(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, &Vec3, &Vec3)) {
+        if self.slip != Slip::None {
+            return;
+        }
+        let mut drags = std::mem::take(&mut self.scratch.drags);
+        drags.resize(self.wet.updated().len(), [0.0; 3]);
+        wall_sums::drags_on_walls(
+            fluid,
+            (fluid.packed_viscous_change(), self.places()),
+            self.near_particles(fluid),
+            self.shearing(fluid),
+            &mut drags,
+        );
+        for (&w, drag) in self.wet.updated().iter().zip(&drags) {
+            let w = w as usize;
+            let force = Vec3::from(*drag) * (MIRRORED * self.volume[w]);
+            visit(w, &self.position[w], &force);
+        }
+        self.scratch.drags = drags;
     }
 
     /// Scales the shear of particles to the limit of friction, or to the law of the wall.
