@@ -99,9 +99,9 @@ impl Viscosity {
         )
     }
 
-    /// Whether its force is linear in the velocities and along their differences, as implicit steps require: Morris's form with any
-    /// viscosity.
-    pub fn takes_implicit_steps(&self) -> bool {
+    /// Whether it is Morris's form, with any viscosity: its force is linear in the velocities and along their differences, as
+    /// implicit steps require.
+    pub fn is_after_morris(&self) -> bool {
         self.varies() || matches!(self, Self::Morris { .. })
     }
 }
@@ -112,7 +112,7 @@ pub enum ViscousStep {
     /// Those at the evaluation: viscosity limits the step.
     #[default]
     Explicit,
-    /// Those after the kicks, solved for: viscosity does not limit the step. With the viscosities [`Viscosity::takes_implicit_steps`]
+    /// Those after the kicks, solved for: viscosity does not limit the step. With the viscosities [`Viscosity::is_after_morris`]
     /// names, and not with [`Stepping::PredictorCorrector`]; see `fluid::viscous_step`.
     Implicit,
 }

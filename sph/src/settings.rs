@@ -6,7 +6,7 @@ use crate::kernel::Dimensions;
 use crate::neighbors::cells::Periodicity;
 use crate::neighbors::mirror::{Mirrors, Symmetry, SymmetryPlane};
 use crate::scheme::{
-    DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, ViscousStep, Viscosity,
+    DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, Viscosity, ViscousStep,
 };
 
 /// Margin of cells beyond the support radius, over this radius, so that particles may move before the next sort.
@@ -220,7 +220,7 @@ impl Settings {
         let scheme = &self.scheme;
         let refused = if scheme.viscous_step == ViscousStep::Explicit {
             return Ok(());
-        } else if !scheme.viscosity.takes_implicit_steps() {
+        } else if !scheme.viscosity.is_after_morris() {
             "this viscosity, whose force is not along the difference of velocities; use `Rheological`, `Morris` or `SubParticleScale`"
         } else if scheme.stepping == Stepping::PredictorCorrector {
             "the stepping `PredictorCorrector`, which takes forces twice; use `KickDriftKick`"

@@ -50,6 +50,7 @@ impl Fluid {
     ///
     /// As [`Self::step`].
     pub fn evaluate<B: Boundary>(&mut self, boundary: &mut B, dt: f64) -> Result<(), B::Error> {
+        self.forget_viscous_change();
         boundary.exchange(self, dt)?;
         boundary.ended(Phase::Integration);
         self.sorted(boundary)?;

@@ -48,6 +48,8 @@ pub struct ParticleWalls {
     /// Position and velocity of each moving point at the start of the step; m, m/s.
     start: Vec<[Vec3; 2]>,
     loads: Vec<FluidLoad>,
+    /// Part of the loads that an implicit viscous step added.
+    drags: Vec<FluidLoad>,
     added: Vec<AddedMass>,
     accelerations: Vec<Acceleration>,
     /// Force of all walls on the fluid; N.
@@ -133,6 +135,7 @@ impl ParticleWalls {
             block: points.blocks,
             frames,
             loads: vec![FluidLoad::default(); definitions.len()],
+            drags: vec![FluidLoad::default(); definitions.len()],
             added: vec![AddedMass::default(); definitions.len()],
             accelerations: vec![Acceleration::default(); definitions.len()],
             force_on_fluid: Vec3::zeros(),
@@ -396,6 +399,35 @@ impl ParticleWalls {
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         self.force_on_fluid = self.fixed.add_forces(fluid) + self.moving.add_forces(fluid);
         self.sum_loads(fluid, blocks);
+    }
+
+    /// Adds the walls' resistance to an implicit viscous step.
+    pub fn add_resistance(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_resistance(fluid);
+        self.moving.add_resistance(fluid);
+    }
+
+    /// Adds the reactions of an implicit viscous step to those on the moving blocks; returns what was added.
+    pub fn add_drag(&mut self, fluid: &Fluid, blocks: &Blocks) -> &[FluidLoad] {
+        self.drags.fill(FluidLoad::default());
+        let mut on_walls = Vec3::zeros();
+        self.fixed.visit_drag(fluid, |_, force| on_walls += force);
+        let (drags, block, power) = (&mut self.drags, &self.block, &mut self.power);
+        let (places, frames) = ((&self.local, &self.buried), &self.frames);
+        self.moving.visit_drag(fluid, |w, force| {
+            let b = block[w] as usize;
+            let arm = frames[b].arm(places, w);
+            drags[b].add(&Vec3::zeros(), force, &arm);
+            if !blocks.is_free(b) {
+                *power -= force.dot(&blocks.velocity_at(b, &(frames[b].centroid + arm)));
+            }
+            on_walls += force;
+        });
+        self.force_on_fluid -= on_walls;
+        for (load, drag) in self.loads.iter_mut().zip(&self.drags) {
+            load.add_load(drag);
+        }
+        &self.drags
     }
 
     fn sum_loads(&mut self, fluid: &Fluid, blocks: &Blocks) {

@@ -68,6 +68,8 @@ pub(crate) struct ViscousUnknowns {
     is_held: Vec<bool>,
     /// `w` with the volumes, packed for sums.
     points: AnyPoints,
+    /// Whether it is that of the present evaluation.
+    is_solved: bool,
     partial: Vec<Dots>,
 }
 
@@ -170,6 +172,7 @@ impl Fluid {
         self.n_products = products;
         self.add_viscous_change(&unknowns);
         unknowns.pack_change(self);
+        unknowns.is_solved = true;
         self.scratch.viscous_step = unknowns;
         Ok(())
     }
@@ -208,6 +211,16 @@ impl Fluid {
             let volume = particles.mass[a] / particles.density[a];
             unknowns.force[a] + unknowns.change[a] * (unknowns.resistance[a] * volume)
         });
+    }
+
+    /// Whether an implicit viscous step has been solved in the present evaluation.
+    pub(crate) fn has_viscous_change(&self) -> bool {
+        self.scratch.viscous_step.is_solved
+    }
+
+    /// Forgets the implicit viscous step of the evaluation before.
+    pub(crate) fn forget_viscous_change(&mut self) {
+        self.scratch.viscous_step.is_solved = false;
     }
 
     /// Change of velocities in the implicit viscous step just solved, packed with the volumes.

@@ -13,8 +13,8 @@ use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::{ForceDensity, ForceOwn};
 use crate::terms::sums::formulas::{Concentrations, Extrapolations, Strains, WallRates};
 use crate::terms::sums::{
-    Drags, Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces, WallPairs,
-    run_term,
+    Drags, Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces,
+    WallPairs, run_term,
 };
 use crate::{Fluid, Vec3};
 

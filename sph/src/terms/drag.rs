@@ -82,13 +82,7 @@ where
     }
 
     #[inline(always)]
-    fn add(
-        &self,
-        (velocity, own): &Self::Own,
-        pair: &Pair<L>,
-        ids: &[u32],
-        sums: &mut Self::Sums,
-    ) {
+    fn add(&self, (velocity, own): &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums) {
         let [vx, vy, vz, _, volume] = pair.b;
         let weight = volume * self.kernel.gradient_factor(pair.r2);
         let neighbor = [vx * self.moving, vy * self.moving, vz * self.moving];

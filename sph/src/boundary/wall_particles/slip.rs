@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::WallParticles;
 use crate::boundary::wall_law::WallLaw;
-use crate::fluid::wall_sums;
+use crate::fluid::wall_sums::{self, Near};
 use crate::scheme::Viscosity;
 use crate::terms::concentration::Concentration;
 use crate::terms::gradient::StrainSums;
@@ -119,25 +119,35 @@ impl WallParticles {
         self.scratch.drags = drags;
     }
 
-    /// Calls `visit` with every wet point, its position (m) and the force (N) of the change of the fluid's velocities in an implicit viscous
-    /// step on it, in order; after [`Self::add_resistance`].
-    pub fn visit_drag(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, &Vec3, &Vec3)) {
-        if self.slip != Slip::None {
+    /// Whether the fluid drags these walls along in the implicit viscous step just solved.
+    fn are_dragged(&self, fluid: &Fluid) -> bool {
+        self.slip == Slip::None && fluid.has_viscous_change()
+    }
+
+    /// Forces of the implicit viscous step just solved on some points, if there was one, per volume and as of particles that are
+    /// not mirrored; see [`Self::drag_of`].
+    pub(super) fn sum_drags(&self, fluid: &Fluid, near: Near, drags: &mut [[f64; 3]]) {
+        if self.are_dragged(fluid) {
+            let places = (fluid.packed_viscous_change(), self.places());
+            wall_sums::drags_on_walls(fluid, places, near, self.shearing(fluid), drags);
+        }
+    }
+
+    /// Force on a point; N.
+    pub(super) fn drag_of(&self, point: usize, drag: &[f64; 3]) -> Vec3 {
+        Vec3::from(*drag) * (MIRRORED * self.volume[point])
+    }
+
+    /// Calls `visit` with every wet point and the force (N) of the implicit viscous step just solved on it, in order.
+    pub fn visit_drag(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, &Vec3)) {
+        if !self.are_dragged(fluid) {
             return;
         }
         let mut drags = std::mem::take(&mut self.scratch.drags);
         drags.resize(self.wet.updated().len(), [0.0; 3]);
-        wall_sums::drags_on_walls(
-            fluid,
-            (fluid.packed_viscous_change(), self.places()),
-            self.near_particles(fluid),
-            self.shearing(fluid),
-            &mut drags,
-        );
+        self.sum_drags(fluid, self.near_particles(fluid), &mut drags);
         for (&w, drag) in self.wet.updated().iter().zip(&drags) {
-            let w = w as usize;
-            let force = Vec3::from(*drag) * (MIRRORED * self.volume[w]);
-            visit(w, &self.position[w], &force);
+            visit(w as usize, &self.drag_of(w as usize, drag));
         }
         self.scratch.drags = drags;
     }

@@ -1,0 +1,137 @@
+//! Explicit or implicit viscous steps: as the file says, or by what they cost.
+
+use riprap_sph::boundary::wall_particles::Slip;
+use riprap_sph::{Rheology, Settings, ViscousStep};
+
+use super::laws::Laws;
+use crate::messages::Code;
+use crate::scene::error::Problem;
+use crate::scene::file::{SceneFile, ViscousStepFile};
+use crate::scene::resolved::ViscousSteps;
+use crate::walls::WallMethod;
+
+/// Ratio of the acoustic to the viscous step limit above which a warning is due.
+const SLOW_VISCOSITY: f64 = 10.0;
+/// The same above which viscous steps are implicit.
+const IMPLICIT: f64 = 2.0;
+/// Exponent of a flow law above which viscosities of the step before make its rates of shear oscillate.
+const LARGEST_EXPONENT: f64 = 2.0;
+
+/// Largest apparent viscosity at rest of any of the laws, or that of the scheme; Pa s.
+fn viscosity_at_rest(settings: &Settings, laws: &Laws) -> f64 {
+    let constant = settings.kinematic_viscosity() * settings.reference_density;
+    let at_rest = laws.rheologies.iter().map(Rheology::viscosity_at_rest);
+    at_rest.fold(constant, f64::max)
+}
+
+/// Reason why viscous steps of a scene cannot be implicit, with a remedy.
+fn refusal(
+    file: &SceneFile,
+    settings: &Settings,
+    laws: &Laws,
+    (method, slip): (WallMethod, Slip),
+) -> Option<String> {
+    let mut asked = settings.clone();
+    asked.scheme.viscous_step = ViscousStep::Implicit;
+    if let Err(error) = asked.check_viscous_step() {
+        return Some(error.to_string());
+    }
+    let thickens = |law: &Rheology| matches!(law, Rheology::HerschelBulkley { exponent, .. } if LARGEST_EXPONENT < *exponent);
+    let with = match (method, slip) {
+        _ if file.numerics.sleeping.is_some() => {
+            "`numerics.sleeping`, as all water takes part in them; leave that out"
+        }
+        (WallMethod::Integral, Slip::None) => {
+            "`interface.walls: Integral` that do not slip, whose shear is explicit; use `Particles`, or `slip: Free`"
+        }
+        (WallMethod::Particles, Slip::Friction(_)) => {
+            "`interface.slip: Friction`, as the limit of friction is that of an explicit shear; use `slip: None`"
+        }
+        _ if laws.rheologies.iter().any(thickens) => {
+            "a flow law of an exponent above 2, whose rates of shear would oscillate; use explicit ones"
+        }
+        _ => return None,
+    };
+    Some(format!("a viscous step cannot be implicit with {with}"))
+}
+
+/// Chooses the viscous steps of a scene; a run of some duration (s) and number of particles is warned of where viscosity limits the
+/// step far more than sound does.
+pub(super) fn choose(
+    file: &SceneFile,
+    settings: &mut Settings,
+    laws: &Laws,
+    (method, slip): (WallMethod, Slip),
+    problems: &mut Vec<Problem>,
+) -> ViscousSteps {
+    let viscosity = viscosity_at_rest(settings, laws);
+    let ratio = settings.sound_over_viscous_limit(viscosity / settings.reference_density);
+    let asked = file.numerics.viscous_step;
+    let wants = match asked {
+        ViscousStepFile::Explicit => false,
+        ViscousStepFile::Implicit => true,
+        ViscousStepFile::Auto => settings.scheme.viscosity.is_after_morris() && IMPLICIT < ratio,
+    };
+    let refused = match wants {
+        true => refusal(file, settings, laws, (method, slip)),
+        false => None,
+    };
+    if asked == ViscousStepFile::Implicit
+        && let Some(reason) = &refused
+    {
+        problems.push(Problem::error(
+            Code::IncompatibleOptions,
+            "numerics.viscous_step",
+            reason.clone(),
+        ));
+    }
+    if wants && refused.is_none() {
+        settings.scheme.viscous_step = ViscousStep::Implicit;
+    }
+    ViscousSteps {
+        ratio,
+        viscosity,
+        is_given: asked != ViscousStepFile::Auto,
+        refused,
+    }
+}
+
+/// Warning where viscosity limits explicit steps far more than sound does, in a run of some duration (s) and number of
+/// particles.
+pub(super) fn slow_viscosity(
+    settings: &Settings,
+    steps: &ViscousSteps,
+    has_laws: bool,
+    (duration, n): (f64, usize),
+) -> Option<Problem> {
+    let &ViscousSteps {
+        ratio, viscosity, ..
+    } = steps;
+    if settings.scheme.viscous_step == ViscousStep::Implicit || ratio <= SLOW_VISCOSITY {
+        return None;
+    }
+    let viscous = settings.viscous_limit(viscosity / settings.reference_density);
+    let n_steps = duration / viscous;
+    let path = match has_laws {
+        true => "fluid.rheology",
+        false => "fluid.dynamic_viscosity",
+    };
+    let implicit = match &steps.refused {
+        Some(reason) => format!("; {reason}"),
+        None if settings.scheme.viscosity.is_after_morris() => {
+            ", or take `numerics.viscous_step: Auto`".to_owned()
+        }
+        None => String::new(),
+    };
+    Some(Problem::warning(
+        Code::ViscosityLimitsStep,
+        path,
+        format!(
+            "a viscosity of {viscosity:.3e} Pa s limits the step to {viscous:.2e} s, {ratio:.0} times shorter than \
+             sound does: {n_steps:.1e} steps and {:.1e} particle steps; up to {:.3e} Pa s it would cost nothing. \
+             Choose the regularization from the acceptable creep, or coarsen `fluid.resolution`{implicit}",
+            n_steps * n as f64,
+            viscosity / ratio,
+        ),
+    ))
+}
