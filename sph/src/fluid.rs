@@ -29,7 +29,8 @@ pub(crate) mod sums;
 mod surface;
 mod symmetry;
 mod viscosity;
-pub(crate) mod viscous_step;
+mod viscous_step;
+mod viscous_unknowns;
 pub(crate) mod wall_sums;
 
 use crate::error::FluidError;

@@ -113,7 +113,7 @@ pub enum ViscousStep {
     #[default]
     Explicit,
     /// Those after the kicks, solved for: viscosity does not limit the step. With the viscosities [`Viscosity::is_after_morris`]
-    /// names, and not with [`Stepping::PredictorCorrector`]; see `fluid::viscous_step`.
+    /// names, and not with [`Stepping::PredictorCorrector`]; see the module of that name of the fluid.
     Implicit,
 }
 

@@ -20,6 +20,7 @@ pub(super) use laws::flow_law;
 use laws::laws;
 pub(super) use openings::short_absorbers;
 pub(super) use scheme::{chosen_viscosity, dimensions};
+pub(super) use viscous_step::heed_blocks;
 use walls::{WallLoads, refuse_scheme, wall_settings};
 pub(super) use walls::{refuse_shapes, wall_method};
 

@@ -111,7 +111,7 @@ impl Scene {
         let meshes = meshes::sources(&file.blocks, &solids, access);
         problems.extend(meshes.iter().filter_map(meshes::much_volume_added));
         let domain = domain(&file.domain);
-        let fluid = lattice
+        let mut fluid = lattice
             .map(|lattice| fluid::resolve(file, (lattice, &domain), expected_speed, &mut problems));
         if let Some(fluid) = &fluid {
             fluid::refuse_shapes(file, &solids.named, fluid.wall_method, &mut problems);
@@ -133,6 +133,9 @@ impl Scene {
         let wave_makers = solids.wave_makers.clone();
         let blocks = solids.definitions(file);
         let resting = sleep::resting(file, &blocks, &mut problems);
+        if let Some(fluid) = &mut fluid {
+            fluid::heed_blocks(file, (&blocks, &materials), fluid, &mut problems);
+        }
         let integrator = contact_dynamics::integrator(file, &blocks, &mut problems);
         let barriers = barriers::barriers(file, &blocks, fluid.as_ref(), &mut problems);
         let warnings = without_errors(problems)?;

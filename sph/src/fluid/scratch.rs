@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::fluid::advance::Compression;
-use crate::fluid::viscous_step::ViscousUnknowns;
+use crate::fluid::viscous_unknowns::ViscousUnknowns;
 use crate::neighbors::sweep::AnyPoints;
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::Rate;

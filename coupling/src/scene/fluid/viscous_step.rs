@@ -1,19 +1,33 @@
 //! Explicit or implicit viscous steps: as the file says, or by what they cost.
+//!
+//! An implicit step takes the velocity of a wall as it is, and a free block feels it afterward. The mud that sticks to the block within a step
+//! follows it a step behind, as an added mass of
+//!
+//! ```text
+//! m = ρ A √(ν dt)              A: surface of the box round the block                                   [kg]
+//! ```
+//! which, lagged, would make a block of less than `m` swing from step to step, further each time. Blocks of less than twice
+//! this mass are refused.
 
+use riprap_dda::{BlockDefinition, Material, Motion};
 use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::{Rheology, Settings, ViscousStep};
+use riprap_sph::{Dimensions, Rheology, Settings, ViscousStep};
 
 use super::laws::Laws;
 use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{SceneFile, ViscousStepFile};
-use crate::scene::resolved::ViscousSteps;
+use crate::scene::resolved::{FluidScene, ViscousSteps};
 use crate::walls::WallMethod;
 
+/// Field of the choice.
+const PATH: &str = "numerics.viscous_step";
 /// Ratio of the acoustic to the viscous step limit above which a warning is due.
 const SLOW_VISCOSITY: f64 = 10.0;
 /// The same above which viscous steps are implicit.
 const IMPLICIT: f64 = 2.0;
+/// Mass that sticks to a free block over its own above which it is too light.
+const LIGHT: f64 = 0.5;
 /// Exponent of a flow law above which viscosities of the step before make its rates of shear oscillate.
 const LARGEST_EXPONENT: f64 = 2.0;
 
@@ -81,7 +95,7 @@ pub(super) fn choose(
     {
         problems.push(Problem::error(
             Code::IncompatibleOptions,
-            "numerics.viscous_step",
+            PATH,
             reason.clone(),
         ));
     }
@@ -94,6 +108,64 @@ pub(super) fn choose(
         is_given: asked != ViscousStepFile::Auto,
         refused,
     }
+}
+
+/// Refuses implicit steps, or chooses explicit ones, where a free block is too light for what sticks to it.
+pub(in crate::scene) fn heed_blocks(
+    file: &SceneFile,
+    (blocks, materials): (&[BlockDefinition], &[Material]),
+    fluid: &mut FluidScene,
+    problems: &mut Vec<Problem>,
+) {
+    let settings = &fluid.settings;
+    let sticks = (fluid.wall_method, fluid.slip) == (WallMethod::Particles, Slip::None);
+    if settings.scheme.viscous_step == ViscousStep::Explicit || !sticks {
+        return;
+    }
+    let layer = {
+        let viscosity = fluid.viscous_steps.viscosity / settings.reference_density;
+        let dt = settings.viscous_limit(viscosity) * fluid.viscous_steps.ratio;
+        (viscosity * dt).sqrt()
+    };
+    let share = |block: &BlockDefinition| {
+        let (min, max) = block.shape.aabb();
+        let [x, y, z] = (max - min).into();
+        let area = match settings.dimensions {
+            Dimensions::Two { .. } => 2.0 * (x + z) * y,
+            Dimensions::Three => 2.0 * (x * y + y * z + z * x),
+        };
+        let mass = materials[block.material].density * block.shape.volume();
+        settings.reference_density * area * layer / mass
+    };
+    let free = blocks.iter().zip(&file.blocks);
+    let free = free.filter(|(block, _)| matches!(block.motion, Motion::Free));
+    let shares = free.map(|(block, written)| (share(block), &written.name));
+    let Some((share, name)) = shares.max_by(|one, other| one.0.total_cmp(&other.0)) else {
+        return;
+    };
+    if share <= LIGHT {
+        return;
+    }
+    let reason = format!(
+        "a viscous step cannot be implicit with block `{name}`: what sticks to it within a step of the largest viscosity has {share:.2} of \
+         its mass, and a lag of more than {LIGHT} would make it swing; use `Explicit`, or lower the largest viscosity"
+    );
+    if fluid.viscous_steps.is_given {
+        problems.push(Problem::error(
+            Code::IncompatibleOptions,
+            PATH,
+            reason.clone(),
+        ));
+    }
+    fluid.viscous_steps.refused = Some(reason);
+    fluid.settings.scheme.viscous_step = ViscousStep::Explicit;
+    let work = (file.time.duration, fluid.lattice.positions.len());
+    problems.extend(slow_viscosity(
+        &fluid.settings,
+        &fluid.viscous_steps,
+        !fluid.rheologies.is_empty(),
+        work,
+    ));
 }
 
 /// Warning where viscosity limits explicit steps far more than sound does, in a run of some duration (s) and number of
