@@ -18,7 +18,7 @@ mod surface;
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Fluid, Vec3};
+use riprap_sph::{Fluid, Vec3, ViscousStep};
 
 use super::FluidLoad;
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
@@ -338,9 +338,15 @@ impl ParticleWalls {
         }
         self.moving.stick(fluid);
         self.sum_loads(fluid, movers.blocks);
+        let is_implicit = fluid.settings().scheme.viscous_step == ViscousStep::Implicit;
         for (b, load) in self.loads.iter().enumerate() {
+            // shear at the present velocities may be many times that of an implicit viscous step
+            let felt = match is_implicit {
+                true => load.pressure,
+                false => load.total(),
+            };
             self.accelerations[b] = if movers.blocks.is_free(b) {
-                movers.solve(b, &load.total(), &self.added[b])
+                movers.solve(b, &felt, &self.added[b])
             } else {
                 Acceleration::default()
             };
