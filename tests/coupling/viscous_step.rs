@@ -2,7 +2,7 @@
 
 use crate::support::scene::{advance, errors, resolved, world};
 use riprap::world::World;
-use riprap_sph::{Vec3, ViscousStep};
+use riprap_sph::ViscousStep;
 
 /// A slice of a flume with mud of a yield stress of 60 Pa behind a gate that is gone, on a floor that does not slip.
 struct Flume<'a> {
@@ -77,7 +77,7 @@ fn mud_takes_implicit_steps_where_they_pay_and_explicit_ones_elsewhere() {
     assert!(written.contains("viscous_step: Implicit"), "{written}");
     // explicit steps of 0.6 of those of sound
     let thin = Flume {
-        largest_viscosity: 200.0,
+        largest_viscosity: 150.0,
         ..Flume::default()
     };
     assert_eq!(thin.chosen(), ViscousStep::Explicit);
@@ -153,54 +153,73 @@ fn a_slump_on_long_steps_ends_where_that_on_explicit_ones_does() {
             energy.viscous,
             world.momentum_residual()
         );
-        // explicit steps of the same flow leave the same
-        assert!(energy.residual.abs() < 0.02 * energy.viscous);
+        // measured 1.1e-4, of the second order of the step: explicit steps a fifth as long leave 1.3e-5
+        assert!(energy.residual.abs() < 1e-3 * energy.viscous);
         assert!(world.momentum_residual() < 1e-5);
         (fronts, steps)
     });
     assert!(4 * implicit.1 < explicit.1);
     for (a, b) in implicit.0.iter().zip(&explicit.0) {
-        // ways of 0.2 to 0.4 m
-        assert!((a - b).abs() < 0.03 * (b - 0.2).max(0.1), "{a} {b}");
+        // ways of 0.19 to 0.51 m; measured 0.5 % after 0.2 s and 0.1 % at the end
+        assert!((a - b).abs() < 0.02 * (b - 0.2), "{a} {b}");
     }
 }
 
-/// Mud that slumps onto a free block drags it along: both ways the block gets what the mud loses.
+/// A stone thrown into mud, no gravity, nothing else that could take momentum.
 #[test]
-fn a_block_that_mud_drags_gets_the_opposite_momentum() {
-    let block =
-        "(name: \"stone\", material: \"m\", shape: Box(min: (0.3, -1, 0.0), max: (0.5, 2, 0.2))),";
-    let [implicit, explicit] = ["Auto", "Explicit"].map(|viscous_step| {
-        let numerics = format!("viscous_step: {viscous_step}");
-        let flume = Flume {
-            blocks: block,
-            numerics: &numerics,
-            largest_viscosity: 1000.0,
-            ..Flume::default()
-        };
-        let mut world = world(&flume.text());
-        let stone = 2;
-        world.keep_accounts(&[0, stone]);
-        let mut fastest = 0.0_f64;
-        advance(&mut world, 0.6, DURATION, |world| {
-            fastest = fastest.max(world.blocks.velocity(stone).norm());
-        });
-        let impulses = world.fluid_impulses(stone);
-        println!(
-            "{viscous_step}: {} steps, stone moved to {:.4} m, fastest {fastest:.4} m/s, impulses {:.3?} and {:.3?} N s, momentum {:.1e}",
-            world.clock().steps,
-            world.blocks.centroid(stone).x,
-            Vec3::from(impulses.pressure.force),
-            Vec3::from(impulses.shear.force),
-            world.momentum_residual()
+fn a_stone_and_the_mud_that_it_drags_along_keep_their_momentum() {
+    let region = |name: &str, [x0, z0, x1, z1]: [f64; 4]| {
+        format!(
+            "(name: \"{name}\", shape: Box(min: ({x0:?}, 0, {z0:?}), max: ({x1:?}, 1, {z1:?}))),"
+        )
+    };
+    let regions = [
+        region("left", [0.0, 0.0, 0.2, 0.4]),
+        region("right", [0.4, 0.0, 0.6, 0.4]),
+        region("below", [0.2, 0.0, 0.4, 0.1]),
+        region("above", [0.2, 0.3, 0.4, 0.4]),
+    ]
+    .concat();
+    let [implicit, explicit] = [ViscousStep::Implicit, ViscousStep::Explicit].map(|viscous_step| {
+        let text = format!(
+            "(title: \"stone\", gravity: (0, 0, 0),
+            domain: (min: (0, 0, -0.1), max: (0.6, 1, 0.6), dimensions: Two, periodic: [X]),
+            materials: [(name: \"m\", density: 2400, friction_angle_deg: 30)],
+            blocks: [(name: \"stone\", material: \"m\", velocity: (0.5, 0, 0),
+                      shape: Box(min: (0.2, 0, 0.1), max: (0.4, 1, 0.3)))],
+            fluid: (density: 1500, rheology: Bingham(dynamic_viscosity: 8, yield_stress: 60,
+                    regularization: Bilinear(400)), resolution: Spacing({SPACING}), regions: [{regions}]),
+            interface: (slip: None), numerics: (expected_speed: 1, viscous_step: {viscous_step:?}),
+            time: (duration: {DURATION:?}))"
         );
-        let floor = world.fluid_impulses(0).shear.force;
-        println!("   floor {floor:.3?}");
-        assert!(world.momentum_residual() < 1e-5);
-        (world.blocks.centroid(stone).x, impulses, fastest)
+        let mut world = world(&text);
+        let fluid = |world: &World| world.water.as_ref().unwrap().fluid.momentum();
+        let stone = |world: &World| world.blocks.velocity(0) * world.blocks.mass(0);
+        let (of_mud, of_stone) = (fluid(&world), stone(&world));
+        let mut speeds = Vec::new();
+        for until in [0.05, 0.1, 0.2, 0.3] {
+            advance(&mut world, until, DURATION, |_| {});
+            speeds.push(world.blocks.velocity(0).x);
+        }
+        let gained = fluid(&world) - of_mud;
+        let lost = of_stone - stone(&world);
+        println!(
+            "{viscous_step:?}: {} steps, speeds {speeds:.4?} m/s, mud gained {:.6} of {:.6} N s, off by {:.1e}",
+            world.clock().steps,
+            gained.x,
+            lost.x,
+            (gained - lost).norm() / lost.norm()
+        );
+        // the stone gave a good part of its 48 N s; sums of single precision on both sides of each pair
+        assert!(10.0 < lost.x);
+        assert!((gained - lost).norm() < 1e-5 * lost.norm());
+        (speeds, world.clock().steps)
     });
-    let moved = |run: &(f64, _, _)| run.0 - 0.4;
-    assert!((moved(&implicit) - moved(&explicit)).abs() < 0.1 * moved(&explicit).abs().max(0.01));
+    assert!(4 * implicit.1 < explicit.1);
+    for (a, b) in implicit.0.iter().zip(&explicit.0) {
+        // measured 1 %: of the first order of the step
+        assert!((a / b - 1.0).abs() < 0.03, "{a} {b}");
+    }
 }
 
 #[test]

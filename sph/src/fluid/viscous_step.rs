@@ -34,7 +34,7 @@
 //! The left side is the very difference between the velocities after the kicks and those of backward Euler: 10⁻⁵ is that of
 //! the rounding of single-precision sums where viscosity would need steps a hundred times shorter.
 //!
-//! Sources: Hestenes & Stiefel (1952); Monaghan (1997) and Weiler et al. (2018) for implicit viscosity of particles.
+//! Sources: Hestenes & Stiefel (1952); Weiler, Koschier, Brand & Bender (2018) for conjugate gradients over particles.
 
 use rayon::prelude::*;
 

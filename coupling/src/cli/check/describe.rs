@@ -296,8 +296,8 @@ fn viscous_step(fluid: &FluidScene) -> String {
     } = &fluid.viscous_steps;
     let given = if *is_given { ", as given" } else { "" };
     let share = match 1.0 < *ratio {
-        true => format!("{ratio:.3} times shorter than that of sound"),
-        false => format!("{:.3} times that of sound", 1.0 / ratio),
+        true => format!("{ratio:.1} times shorter than that of sound"),
+        false => format!("{:.2} times that of sound", 1.0 / ratio),
     };
     let explicit = format!("an explicit one with {viscosity:.3e} Pa s is {share}");
     match (fluid.settings.scheme.viscous_step, refused) {

@@ -193,9 +193,9 @@ pub enum ViscousStepFile {
     Auto,
     /// Those at hand: the step is proportional to the inverse of the largest viscosity.
     Explicit,
-    /// Those after the step, solved for by conjugate gradients in 1 to 30 sums over neighbors: viscosity does not limit the step. For mud with
-    /// a large viscosity below its yield stress. Not with sleeping water, `PredictorCorrector`, `slip: Friction` or walls of `Integral`
-    /// that do not slip.
+    /// Those after the step, solved for by conjugate gradients in some sums over neighbors: 5 a step in a slump of mud. Viscosity does not
+    /// limit the step. Not with sleeping water, `PredictorCorrector`, `slip: Friction`, walls of `Integral` that do not slip, and free
+    /// blocks of less than twice the mass `ρ A √(ν dt)` of what sticks to them in a step.
     Implicit,
 }
 
