@@ -1,6 +1,6 @@
 //! Implicit viscous steps, far longer than explicit ones may be.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use riprap_sph::scheme::{DensityDiffusion, Viscosity};
 use riprap_sph::{
@@ -207,6 +207,46 @@ fn steady_flows_between_plates_are_those_of_explicit_steps() {
         // ten times the residual of a step
         assert!(apart < 1e-4, "{name}: {apart}");
     }
+}
+
+#[test]
+fn a_channel_starts_as_in_its_series() {
+    let (width, eta, pull) = (0.1, 100.0, 10.0);
+    let layer = Layer {
+        depth: width,
+        lid: Some(Vec3::zeros()),
+        gravity: [pull, 0.0],
+        viscosity: newtonian(eta),
+        viscous_step: ViscousStep::Implicit,
+        ..Layer::default()
+    };
+    let nu = eta / DENSITY;
+    // a tenth of L²/ν, when the middle has 0.615 of its final speed
+    let (flow, ratio, steps) = on_threads(1, || {
+        let mut flow = layer.flow(|_| 0.0);
+        let ratio = explicit_steps(&flow.fluid, eta);
+        let (steps, _) = run(&mut flow, 0.1 * width * width / nu);
+        (flow, ratio, steps)
+    });
+    let time = flow.time * nu / (width * width);
+    let exact = |z: f64| {
+        let y = z / width;
+        let odd = (1..60).step_by(2).map(f64::from);
+        let decaying: f64 = odd
+            .map(|n| {
+                let wave = n * PI;
+                4.0 / wave.powi(3) * (wave * y).sin() * (-wave * wave * time).exp()
+            })
+            .sum();
+        pull * width * width / nu * (0.5 * y * (1.0 - y) - decaying)
+    };
+    let profile = flow.profile(layer.spacing());
+    let largest = exact(0.5 * width);
+    let squares: f64 = (profile.iter().map(|(z, u)| (u - exact(*z)).powi(2))).sum();
+    let off = (squares / profile.len() as f64).sqrt() / largest;
+    println!("channel: {steps} steps, each {ratio:.1} explicit ones, off by {off:.4}");
+    assert!(4.0 < ratio);
+    assert!(off < 0.02, "{off}");
 }
 
 /// G11: 98 times fewer steps than explicit ones with the same largest viscosity, a thousand times that beyond the yield stress. With 5
