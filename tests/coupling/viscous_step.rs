@@ -180,7 +180,12 @@ fn a_stone_and_the_mud_that_it_drags_along_keep_their_momentum() {
         region("above", [0.2, 0.3, 0.4, 0.4]),
     ]
     .concat();
-    let [implicit, explicit] = [ViscousStep::Implicit, ViscousStep::Explicit].map(|viscous_step| {
+    let [long, half, explicit] = [
+        (ViscousStep::Implicit, 1.0),
+        (ViscousStep::Implicit, 0.5),
+        (ViscousStep::Explicit, 1.0),
+    ]
+    .map(|(viscous_step, factor)| {
         let text = format!(
             "(title: \"stone\", gravity: (0, 0, 0),
             domain: (min: (0, 0, -0.1), max: (0.6, 1, 0.6), dimensions: Two, periodic: [X]),
@@ -189,7 +194,7 @@ fn a_stone_and_the_mud_that_it_drags_along_keep_their_momentum() {
                       shape: Box(min: (0.2, 0, 0.1), max: (0.4, 1, 0.3)))],
             fluid: (density: 1500, rheology: Bingham(dynamic_viscosity: 8, yield_stress: 60,
                     regularization: Bilinear(400)), resolution: Spacing({SPACING}), regions: [{regions}]),
-            interface: (slip: None), numerics: (expected_speed: 1, viscous_step: {viscous_step:?}),
+            interface: (slip: None), numerics: (expected_speed: 1, viscous_step: {viscous_step:?}, time_step_factor: {factor:?}),
             time: (duration: {DURATION:?}))"
         );
         let mut world = world(&text);
@@ -215,11 +220,14 @@ fn a_stone_and_the_mud_that_it_drags_along_keep_their_momentum() {
         assert!((gained - lost).norm() < 1e-5 * lost.norm());
         (speeds, world.clock().steps)
     });
-    assert!(4 * implicit.1 < explicit.1);
-    for (a, b) in implicit.0.iter().zip(&explicit.0) {
-        // measured 1 %: of the first order of the step
-        assert!((a / b - 1.0).abs() < 0.03, "{a} {b}");
-    }
+    assert!(4 * long.1 < explicit.1);
+    let off = |run: &(Vec<f64>, u64)| {
+        let pairs = run.0.iter().zip(&explicit.0);
+        pairs.fold(0.0_f64, |most, (a, b)| most.max((a / b - 1.0).abs()))
+    };
+    // measured 3.1 % where the stone meets the wave that it sent round, and half of it with half the step: of first order
+    assert!(off(&long) < 0.04, "{}", off(&long));
+    assert!(off(&half) < 0.65 * off(&long), "{}", off(&half));
 }
 
 #[test]
