@@ -7,6 +7,7 @@ use crate::{CHUNK, Fluid, Particles, Vec3};
 
 /// Residual of the velocities over their root mean square.
 const TOLERANCE: f64 = 1e-5;
+
 /// Unknowns of implicit viscous steps, one slot per particle; written before they are read in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ViscousUnknowns {
