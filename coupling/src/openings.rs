@@ -219,6 +219,11 @@ impl Openings {
         fluid.impose(&self.held)
     }
 
+    /// Particles whose velocities are imposed.
+    pub fn held(&self) -> impl Iterator<Item = u32> + '_ {
+        self.held.iter().map(|one| one.particle)
+    }
+
     /// Restores the velocities of the particles in the boxes after a kick; returns the energy and momentum that this
     /// brought in.
     pub fn hold_velocities(&mut self, fluid: &mut Fluid) -> Exchange {

@@ -213,6 +213,21 @@ impl Walls {
         of_walls!(self, walls => walls.largest_added_mass_ratio(blocks))
     }
 
+    /// Adds the walls' resistance to an implicit viscous step; integrals have none.
+    pub fn add_resistance(&mut self, fluid: &mut Fluid) {
+        if let Self::Particles(walls) = self {
+            walls.add_resistance(fluid);
+        }
+    }
+
+    /// Adds the reactions of an implicit viscous step to those on the moving blocks; returns what was added.
+    pub fn add_drag(&mut self, fluid: &Fluid, blocks: &Blocks) -> &[FluidLoad] {
+        match self {
+            Self::Particles(walls) => walls.add_drag(fluid, blocks),
+            Self::Integral(_) => &[],
+        }
+    }
+
     /// Adds the walls' forces to the accelerations, and sums the reactions on the moving blocks.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         of_walls!(self, walls => walls.add_forces(fluid, blocks));
@@ -244,6 +259,13 @@ impl FluidLoad {
         self.shear.add(viscous, arm);
         let moment = (pressure + viscous) * arm.transpose();
         self.stretch += (moment + moment.transpose()) * 0.5;
+    }
+
+    /// Adds another.
+    pub fn add_load(&mut self, other: &Self) {
+        self.pressure += other.pressure;
+        self.shear += other.shear;
+        self.stretch += other.stretch;
     }
 
     /// All of it as force and moment; N, N m.

@@ -111,6 +111,13 @@ pub trait Boundary {
     /// Adds the walls' forces to the accelerations, and keeps the reactions on the bodies.
     fn forces(&mut self, _fluid: &mut Fluid) {}
 
+    /// Adds the walls' resistance to the velocities of the fluid, and names particles whose velocities are imposed, before an implicit viscous
+    /// step; see [`Fluid::resist`] and [`Fluid::hold_in_viscous_step`].
+    fn resistance(&mut self, _fluid: &mut Fluid) {}
+
+    /// Gives the walls the opposite of their forces in an implicit viscous step just solved.
+    fn drag(&mut self, _fluid: &mut Fluid) {}
+
     /// Books the effect of the next kick over `dt` (s).
     fn begin_kick(&mut self, _fluid: &mut Fluid, _dt: f64) {}
 

@@ -52,6 +52,22 @@ pub enum FluidError {
         "symplectic Euler with density from continuity is forward Euler for sound: every wave grows, however small the step; use `KickDriftKick` or `PredictorCorrector`, or density by `Summation`"
     )]
     GrowingSound,
+    /// A scheme without implicit viscous steps.
+    #[error("a viscous step cannot be implicit with {refused}")]
+    ExplicitViscosity {
+        /// Option incompatible with it, and a remedy.
+        refused: &'static str,
+    },
+    /// An implicit viscous step that does not converge.
+    #[error(
+        "the implicit viscous step did not converge in {products} products: velocities are off by {relative:.1e} of their root mean square; lower the largest viscosity, or take the viscous step `Explicit`"
+    )]
+    ViscousStep {
+        /// Products made.
+        products: u32,
+        /// Residual of the velocities, over their root mean square; –.
+        relative: f64,
+    },
     /// Water that cannot sleep.
     #[error("water cannot sleep with {refused}")]
     Sleepless {

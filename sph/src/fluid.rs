@@ -7,6 +7,7 @@
 //! viscosity   flow laws, rates of shear                     sample      fields at points of probes
 //! bulk        viscosity against compression                 continued_pressure   at points of walls
 //! porosity    water that shares its volume with grains
+//! viscous_step   implicit viscosity
 //! shifting    towards where particles are sparse            symmetry    reflection by planes, their force
 //! ```
 
@@ -30,6 +31,8 @@ pub(crate) mod sums;
 mod surface;
 mod symmetry;
 mod viscosity;
+mod viscous_step;
+mod viscous_unknowns;
 pub(crate) mod wall_sums;
 
 use crate::error::FluidError;
@@ -102,6 +105,8 @@ pub struct Fluid {
     max_speed: f64,
     /// Ordered pairs of the last sum.
     n_pairs: u64,
+    /// Products of the last implicit viscous step.
+    n_products: u32,
     /// Work of the viscous force on the fluid since the ledger was opened, negated; J.
     viscous_loss: f64,
     /// Energy taken by bulk viscosity since the ledger was opened; J.
@@ -189,6 +194,7 @@ impl Fluid {
             moved: f64::INFINITY,
             max_speed: 0.0,
             n_pairs: 0,
+            n_products: 0,
             viscous_loss: 0.0,
             bulk_loss: 0.0,
             from_walls: 0.0,

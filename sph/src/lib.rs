@@ -31,6 +31,9 @@
 //! (1.54 with the usual diffusion), the published scheme `0.95 H/c₀`. [`scheme::Stepping`] has two
 //! more: the predictor-corrector of DualSPHysics, and the published symplectic Euler.
 //!
+//! Viscosity limits the step by `h²/ν`, which in mud with a yield stress is far below the limit of sound. [`scheme::ViscousStep`] has
+//! implicit steps, in which it does not.
+//!
 //! # How sums are made
 //!
 //! Particles are sorted by cell. The candidates of a particle are nine runs of the sorted order;
@@ -106,7 +109,7 @@ pub use neighbors::{cells, mirror};
 pub use particles::Particles;
 pub use preset::{Preset, PresetParameters};
 pub use rheology::{Regularization, Rheology};
-pub use scheme::{Precision, Scheme, Stepping};
+pub use scheme::{Precision, Scheme, Stepping, ViscousStep};
 pub use settings::{Settings, StepLimits};
 pub use state_equation::{NegativePressure, StateEquation};
 

@@ -6,8 +6,8 @@
 //! Bingham            η = μ + τ_y/γ̇                 nothing moves where |τ| < τ_y
 //! Herschel-Bulkley   η = K γ̇^(n−1) + τ_y/γ̇
 //! ```
-//! A perfectly rigid state cannot be integrated explicitly: with [`Regularization`] the fluid creeps. The
-//! residual speed of a stopped layer of thickness `H` on a slope is `ρ g sin θ H²/(2 η_max)`, and the step scales
+//! A perfectly rigid state cannot be integrated: with [`Regularization`] the fluid creeps. The
+//! residual speed of a stopped layer of thickness `H` on a slope is `ρ g sin θ H²/(2 η_max)`, and explicit steps scale
 //! with `h² ρ/η_max`.
 //!
 //! Sources: Bingham (1922); Herschel & Bulkley (1926); Papanastasiou (1987).

@@ -98,6 +98,23 @@ impl Viscosity {
             Self::Rheological { .. } | Self::SubParticleScale { .. }
         )
     }
+
+    /// Whether it is Morris's form, with any viscosity: its force is linear in the velocities and along their differences, as
+    /// implicit steps require.
+    pub fn is_after_morris(&self) -> bool {
+        self.varies() || matches!(self, Self::Morris { .. })
+    }
+}
+
+/// Velocities at which a step takes the viscous force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViscousStep {
+    /// Those at the evaluation: viscosity limits the step.
+    #[default]
+    Explicit,
+    /// Those after the kicks, solved for: viscosity does not limit the step. With the viscosities [`Viscosity::is_after_morris`]
+    /// names, and not with [`Stepping::PredictorCorrector`]; see the module of that name of the fluid.
+    Implicit,
 }
 
 /// Particle shifting.
@@ -158,6 +175,8 @@ pub struct Scheme {
     pub diffusion: DensityDiffusion,
     /// Viscosity.
     pub viscosity: Viscosity,
+    /// Velocities at which a step takes the viscous force.
+    pub viscous_step: ViscousStep,
     /// Coefficient `α₂` of bulk viscosity, `ζ = α₂ ρ₀ c₀ h`, 0 to [`LARGEST_BULK_VISCOSITY`]: damps sound, and no flow
     /// that keeps its volume. Of density from continuity only.
     pub bulk_viscosity: f64,
@@ -191,6 +210,7 @@ impl Scheme {
             negative_pressure: NegativePressure::Clamped,
             diffusion: DensityDiffusion::None,
             viscosity: Viscosity::Published { dynamic_viscosity },
+            viscous_step: ViscousStep::Explicit,
             bulk_viscosity: 0.0,
             shifting: Shifting::None,
             stepping: Stepping::SymplecticEuler,
@@ -208,6 +228,7 @@ impl Scheme {
             negative_pressure: NegativePressure::Kept,
             diffusion: DensityDiffusion::Fourtakas(DIFFUSION),
             viscosity: Viscosity::Artificial { alpha: ALPHA },
+            viscous_step: ViscousStep::Explicit,
             bulk_viscosity: 0.0,
             shifting: Shifting::None,
             stepping: Stepping::KickDriftKick,

@@ -5,7 +5,9 @@ use crate::error::FluidError;
 use crate::kernel::Dimensions;
 use crate::neighbors::cells::Periodicity;
 use crate::neighbors::mirror::{Mirrors, Symmetry, SymmetryPlane};
-use crate::scheme::{DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, Viscosity};
+use crate::scheme::{
+    DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, Viscosity, ViscousStep,
+};
 
 /// Margin of cells beyond the support radius, over this radius, so that particles may move before the next sort.
 const WIDEST_SKIN: f64 = 0.1;
@@ -198,6 +200,7 @@ impl Settings {
         if (density, stepping) == (DensityMethod::Continuity, Stepping::SymplecticEuler) {
             return Err(FluidError::GrowingSound);
         }
+        self.check_viscous_step()?;
         if 1.0 < self.time_step_factor {
             return Err(FluidError::Setting {
                 name: "time_step_factor",
@@ -206,6 +209,25 @@ impl Settings {
             });
         }
         self.check_symmetry(LEAST_BETWEEN_PLANES * self.support_radius())
+    }
+
+    /// Refuses schemes without implicit viscous steps, where they are asked for.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::ExplicitViscosity`].
+    pub fn check_viscous_step(&self) -> Result<(), FluidError> {
+        let scheme = &self.scheme;
+        let refused = if scheme.viscous_step == ViscousStep::Explicit {
+            return Ok(());
+        } else if !scheme.viscosity.is_after_morris() {
+            "this viscosity, whose force is not along the difference of velocities; use `Rheological`, `Morris` or `SubParticleScale`"
+        } else if scheme.stepping == Stepping::PredictorCorrector {
+            "the stepping `PredictorCorrector`, which takes forces twice; use `KickDriftKick`"
+        } else {
+            return Ok(());
+        };
+        Err(FluidError::ExplicitViscosity { refused })
     }
 
     /// Refuses planes in which the flow has no mirror image; `reach` is the least distance between two, in m.

@@ -10,7 +10,7 @@ mod symplectic_euler;
 
 use crate::Fluid;
 use crate::boundary::{Boundary, Phase, Stage};
-use crate::scheme::{Scheme, Stepping};
+use crate::scheme::{Scheme, Stepping, ViscousStep};
 use crate::stability::share_left_by_bulk;
 
 /// Largest step with density from continuity, over `h/c₀`.
@@ -43,12 +43,14 @@ impl Fluid {
     /// 1 particles enter and leave       4 shifting, where the scheme shifts
     /// 2 sort by cell                    5 flow held in openings
     /// 3 boundaries at their places      6 pressures, viscosities, accelerations
+    ///                                   7 implicit viscous step, where the scheme has it
     /// ```
     ///
     /// # Errors
     ///
     /// As [`Self::step`].
     pub fn evaluate<B: Boundary>(&mut self, boundary: &mut B, dt: f64) -> Result<(), B::Error> {
+        self.forget_viscous_change();
         boundary.exchange(self, dt)?;
         boundary.ended(Phase::Integration);
         self.sorted(boundary)?;
@@ -63,7 +65,15 @@ impl Fluid {
         }
         boundary.hold(self, Stage::End, dt);
         boundary.ended(Phase::Density);
-        self.evaluate_forces(boundary)
+        self.evaluate_forces(boundary)?;
+        if self.settings.scheme.viscous_step == ViscousStep::Implicit {
+            self.begin_viscous_step();
+            boundary.resistance(self);
+            self.solve_viscous_step(dt)?;
+            boundary.drag(self);
+            boundary.ended(Phase::Forces);
+        }
+        Ok(())
     }
 
     /// Pressures, viscosities and accelerations with all neighbors found; rates of density where the stepping takes both

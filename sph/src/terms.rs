@@ -5,6 +5,7 @@
 
 pub(crate) mod concentration;
 pub(crate) mod continuity;
+pub(crate) mod drag;
 pub(crate) mod extrapolation;
 pub(crate) mod gradient;
 pub(crate) mod momentum;

@@ -61,6 +61,7 @@ mod stepping;
 mod sweep;
 mod symmetry;
 mod trade;
+mod viscous_step;
 mod wall_limit;
 mod walls;
 mod wave_makers;

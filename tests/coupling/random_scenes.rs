@@ -209,6 +209,7 @@ fn numerics() -> impl Strategy<Value = String> {
             "precision: Double, ",
             "shifting: Fickian(1.0), ",
             "viscosity: Laminar, ",
+            "viscosity: Morris, viscous_step: Implicit, ",
             "kernel: CubicSpline, ",
             "state_equation: Tait, ",
         ]),

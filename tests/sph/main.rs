@@ -18,6 +18,7 @@ mod support;
 mod surface;
 mod symmetry;
 mod twin;
+mod viscous_step;
 mod wall_law;
 mod walls;
 mod water;

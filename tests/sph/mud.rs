@@ -7,24 +7,25 @@ use riprap_sph::scheme::{SMAGORINSKY, Viscosity};
 use riprap_sph::state_equation::State;
 use riprap_sph::{
     Boundary, Dimensions, Fluid, FluidError, Precision, Regularization, Rheology, Scheme, Settings,
-    Stage, Start, Vec3,
+    Stage, Start, Vec3, ViscousStep,
 };
 
-const DENSITY: f64 = 1500.0;
+pub const DENSITY: f64 = 1500.0;
 
 /// A layer of fluid along x, periodic, on a floor and perhaps under a lid.
-struct Layer {
-    rows: usize,
-    depth: f64,
+pub struct Layer {
+    pub rows: usize,
+    pub depth: f64,
     /// Period over spacing.
-    columns: usize,
+    pub columns: usize,
     /// Acceleration along x and z; m/s².
-    gravity: [f64; 2],
-    lid: Option<Vec3>,
-    slip: Slip,
-    viscosity: Viscosity,
-    precision: Precision,
-    sound_speed: f64,
+    pub gravity: [f64; 2],
+    pub lid: Option<Vec3>,
+    pub slip: Slip,
+    pub viscosity: Viscosity,
+    pub viscous_step: ViscousStep,
+    pub precision: Precision,
+    pub sound_speed: f64,
 }
 
 impl Default for Layer {
@@ -37,28 +38,29 @@ impl Default for Layer {
             lid: None,
             slip: Slip::None,
             viscosity: Viscosity::None,
+            viscous_step: ViscousStep::Explicit,
             precision: Precision::Single,
             sound_speed: 10.0,
         }
     }
 }
 
-struct Flow {
-    fluid: Fluid,
-    walls: Vec<WallParticles>,
-    time: f64,
+pub struct Flow {
+    pub fluid: Fluid,
+    pub walls: Vec<WallParticles>,
+    pub time: f64,
 }
 
 /// Smoothing length over spacing.
 const RATIO: f64 = 2.0;
 
 impl Layer {
-    fn spacing(&self) -> f64 {
+    pub fn spacing(&self) -> f64 {
         self.depth / self.rows as f64
     }
 
     /// The layer with the given profile of velocity.
-    fn flow(&self, profile: impl Fn(f64) -> f64) -> Flow {
+    pub fn flow(&self, profile: impl Fn(f64) -> f64) -> Flow {
         let dp = self.spacing();
         let period = dp * self.columns as f64;
         let mid = Vec3::new(0.0, 0.5, 0.0);
@@ -69,6 +71,7 @@ impl Layer {
             sound_speed: self.sound_speed,
             scheme: Scheme {
                 viscosity: self.viscosity,
+                viscous_step: self.viscous_step,
                 precision: self.precision,
                 ..Scheme::artificial()
             },
@@ -157,6 +160,10 @@ impl Boundary for Plates<'_> {
             w.add_forces(fluid);
         });
     }
+
+    fn resistance(&mut self, fluid: &mut Fluid) {
+        self.0.iter_mut().for_each(|w| w.add_resistance(fluid));
+    }
 }
 
 impl Flow {
@@ -165,7 +172,7 @@ impl Flow {
         self.fluid.evaluate(&mut plates, 0.0).unwrap();
     }
 
-    fn step(&mut self) {
+    pub fn step(&mut self) {
         let dt = self.fluid.step_limits().smallest();
         let mut plates = Plates(&mut self.walls);
         self.fluid.step(&mut plates, dt).unwrap();
@@ -173,7 +180,7 @@ impl Flow {
     }
 
     /// Steps to a time; returns how many.
-    fn run(&mut self, until: f64) -> usize {
+    pub fn run(&mut self, until: f64) -> usize {
         let mut steps = 0;
         while self.time < until {
             self.step();
@@ -183,7 +190,7 @@ impl Flow {
     }
 
     /// Mean of a quantity over rows of particles: height and value.
-    fn rows(&self, spacing: f64, of: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+    pub fn rows(&self, spacing: f64, of: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
         let p = self.fluid.particles();
         let mut sums = vec![(0.0, 0.0, 0.0); 200];
         for (a, x) in p.position.iter().enumerate() {
@@ -195,23 +202,23 @@ impl Flow {
         sums.iter().map(|s| (s.0 / s.2, s.1 / s.2)).collect()
     }
 
-    fn profile(&self, spacing: f64) -> Vec<(f64, f64)> {
+    pub fn profile(&self, spacing: f64) -> Vec<(f64, f64)> {
         self.rows(spacing, |a| self.fluid.particles().velocity[a].x)
     }
 }
 
 /// `∫ u dz` of rows.
-fn flux(profile: &[(f64, f64)], spacing: f64) -> f64 {
+pub fn flux(profile: &[(f64, f64)], spacing: f64) -> f64 {
     profile.iter().map(|(_, u)| u * spacing).sum()
 }
 
 /// A film of thickness `depth` on a slope of 5 degrees.
-fn slope(angle_deg: f64) -> [f64; 2] {
+pub fn slope(angle_deg: f64) -> [f64; 2] {
     let angle = angle_deg.to_radians();
     [9.81 * angle.sin(), -9.81 * angle.cos()]
 }
 
-fn bingham(regularization: Regularization) -> Rheology {
+pub fn bingham(regularization: Regularization) -> Rheology {
     Rheology::Bingham {
         dynamic_viscosity: 2.0,
         yield_stress: 60.0,
@@ -220,13 +227,13 @@ fn bingham(regularization: Regularization) -> Rheology {
 }
 
 /// One thread: these flows are too small to share, and tests share the processor.
-fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+pub fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     pool.unwrap().install(work)
 }
 
 /// Height at which a linear function through values at heights vanishes, least squares.
-fn zero_of_line(points: &[(f64, f64)]) -> f64 {
+pub fn zero_of_line(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (z, y) = (mean(&|p| p.0), mean(&|p| p.1));

@@ -191,6 +191,8 @@ codes! {
     WaterCompressed = "water-compressed",
     /// A particle faster than sound.
     FasterThanSound = "faster-than-sound",
+    /// An implicit viscous step that does not converge.
+    ViscousStepUnsolved = "viscous-step-unsolved",
     /// A block whose position or velocity is not finite.
     BlockNan = "block-nan",
     /// Blocks that penetrate each other deeper than a step allows.

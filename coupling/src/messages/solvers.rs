@@ -44,6 +44,8 @@ impl Coded for FluidError {
             Self::Symmetry { .. } => Code::UnusableSymmetryPlane,
             Self::TooManyParticles { .. } => Code::NotEnoughMemory,
             Self::GrowingSound => Code::GrowingSound,
+            Self::ExplicitViscosity { .. } => Code::IncompatibleOptions,
+            Self::ViscousStep { .. } => Code::ViscousStepUnsolved,
             Self::Sleepless { .. } => Code::WaterCannotSleep,
             Self::NonFinite { .. } => Code::ParticleNan,
             Self::Compressed { .. } => Code::WaterCompressed,

@@ -78,6 +78,8 @@ pub struct Summary {
     pub contact_updates_per_second: f64,
     /// Wall time by phase; s.
     pub time_by_phase: TimeByPhase,
+    /// Mean number of products of an implicit viscous step, each a sum over neighbors; `None` with explicit ones.
+    pub products_per_viscous_step: Option<f64>,
     /// Smallest step; s.
     pub dt_min: f64,
     /// Largest step; s.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use riprap_dda::Motion;
-use riprap_sph::{Fluid, Precision};
+use riprap_sph::{Fluid, Precision, ViscousStep};
 
 use super::observers::Observers;
 use super::{Ending, Run, RunError};
@@ -69,6 +69,9 @@ impl Run<'_> {
             pair_interactions_per_second: per_second(extremes.pair_interactions),
             contact_updates_per_second: per_second(blocks.contact_updates()),
             time_by_phase: self.time_by_phase(),
+            products_per_viscous_step: fluid
+                .filter(|fluid| fluid.settings().scheme.viscous_step == ViscousStep::Implicit)
+                .map(|_| ratio(extremes.viscous_products, clock.steps)),
             dt_min: Some(counters.dt_min)
                 .filter(|dt| dt.is_finite())
                 .unwrap_or(0.0),

@@ -5,7 +5,7 @@
 //! The report that follows a run, when most of this is free again, is not in it.
 
 use riprap_dda::{Motion, Polyhedron, Shape};
-use riprap_sph::{Dimensions, Vec3};
+use riprap_sph::{Dimensions, Vec3, ViscousStep};
 
 use crate::messages::Code;
 pub use crate::scene::access::{Available, available};
@@ -20,6 +20,8 @@ const PROGRAM: [f64; 2] = [37e6, 39e6];
 pub const PER_PARTICLE: f64 = 650.0;
 /// Additional bytes per particle where water may sleep: reference positions, state of sleep, partial sums of rates.
 const PER_SLEEPING_PARTICLE: f64 = 110.0;
+/// Additional bytes per particle with implicit viscous steps: unknowns, sums, packed points.
+const PER_VISCOUS_PARTICLE: f64 = 210.0;
 /// Bytes per neighbor in a list, with unused capacity and the end of the last register.
 const PER_NEIGHBOR: f64 = 2.25;
 /// Bytes per particle of a wall, near water or not, with the lists of both sides.
@@ -128,7 +130,11 @@ fn water(fluid: &FluidScene) -> f64 {
     // what holds the surface while water is packed against its walls is given back before the run
     let particles = (fluid.lattice.positions.len() + fluid.lattice.mould.len()) as f64;
     let sleeping = fluid.sleeping.map_or(0.0, |_| PER_SLEEPING_PARTICLE);
-    particles * (PER_PARTICLE + sleeping + PER_NEIGHBOR * neighbors)
+    let viscous = match settings.scheme.viscous_step {
+        ViscousStep::Implicit => PER_VISCOUS_PARTICLE,
+        ViscousStep::Explicit => 0.0,
+    };
+    particles * (PER_PARTICLE + sleeping + viscous + PER_NEIGHBOR * neighbors)
 }
 
 /// Upper bound of the number of wall particles: those of a solid are within the support of the domain, and not deeper

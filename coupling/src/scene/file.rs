@@ -49,7 +49,7 @@ pub use numerics::{
     BlockIntegratorFile, ContactDetectionFile, ContactSolverFile, DensityDiffusionFile,
     DensityFile, KernelFile, NegativePressure, NormalLawFile, NumericsFile, PrecisionFile, Preset,
     RestingFile, RollingLawFile, ShiftingFile, SleepingFile, StateEquationFile, StaticDampingFile,
-    StepBoundFile, SteppingFile, ViscosityFile,
+    StepBoundFile, SteppingFile, ViscosityFile, ViscousStepFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{

@@ -4,6 +4,7 @@ mod averaged;
 mod laws;
 mod openings;
 mod scheme;
+mod viscous_step;
 mod walls;
 
 use riprap_sph::preset::SOUND_SPEED_RATIO;
@@ -18,9 +19,10 @@ use crate::messages::Code;
 use crate::walls::WallMethod;
 pub(super) use averaged::is_averaged;
 pub(super) use laws::flow_law;
-use laws::{laws, slow_viscosity};
+use laws::laws;
 pub(super) use openings::short_absorbers;
 pub(super) use scheme::{chosen_viscosity, dimensions};
+pub(super) use viscous_step::heed_blocks;
 use walls::{WallLoads, refuse_scheme, wall_settings};
 pub(super) use walls::{refuse_shapes, wall_method};
 
@@ -71,7 +73,16 @@ pub(super) fn resolve(
     let sleeping = super::sleep::sleeping(file, &settings, (wall_method, lattice.depth), problems);
     let averaged = averaged::averaged(file, grains, (&settings, wall_method), problems);
     let work = (file.time.duration, lattice.positions.len());
-    problems.extend(slow_viscosity(&settings, &laws, work));
+    let slip = walls::slip(file, wall_method, &settings, problems);
+    let viscous_steps =
+        viscous_step::choose(file, &mut settings, &laws, (wall_method, slip), problems);
+    let has_laws = !laws.rheologies.is_empty();
+    problems.extend(viscous_step::slow_viscosity(
+        &settings,
+        &viscous_steps,
+        has_laws,
+        work,
+    ));
     let fluid = file.fluid.as_ref();
     let arrangement = fluid.map_or(LatticeFile::Cubic, |f| f.lattice);
     super::symmetry::warn_about_rows((&file.domain, arrangement), &lattice, problems);
@@ -81,7 +92,8 @@ pub(super) fn resolve(
         smoothing_length_ratio: scheme::smoothing_length_ratio(file),
         walls: wall_settings(wall_method, &file.interface, &settings, &loads),
         wall_method,
-        slip: walls::slip(file, wall_method, &settings, problems),
+        slip,
+        viscous_steps,
         molecular_viscosity: walls::molecular_viscosity(file),
         pressures: hydrostatic(&lattice, &regions, &settings),
         rheologies: laws.rheologies,

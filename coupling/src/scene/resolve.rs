@@ -116,7 +116,7 @@ impl Scene {
         let meshes = meshes::sources(&file.blocks, &solids, access);
         problems.extend(meshes.iter().filter_map(meshes::much_volume_added));
         let domain = domain(&file.domain);
-        let fluid = lattice.map(|lattice| {
+        let mut fluid = lattice.map(|lattice| {
             let placed = (lattice, &domain, &expanded.grain_lists[..]);
             fluid::resolve(file, placed, expected_speed, &mut problems)
         });
@@ -140,6 +140,9 @@ impl Scene {
         let wave_makers = solids.wave_makers.clone();
         let blocks = solids.definitions(file);
         let resting = sleep::resting(file, &blocks, &mut problems);
+        if let Some(fluid) = &mut fluid {
+            fluid::heed_blocks(file, (&blocks, &materials), fluid, &mut problems);
+        }
         let integrator = contact_dynamics::integrator(file, &blocks, &mut problems);
         let barriers = barriers::barriers(file, &blocks, fluid.as_ref(), &mut problems);
         let warnings = without_errors(problems)?;

@@ -191,6 +191,8 @@ pub struct FluidScene {
     pub wall_method: WallMethod,
     /// Slip along walls.
     pub slip: Slip,
+    /// Choice between explicit and implicit viscous steps.
+    pub viscous_steps: ViscousSteps,
     /// Molecular kinematic viscosity of the fluid, which that of the scheme may exceed; m²/s.
     pub molecular_viscosity: f64,
     /// Initial pressure of each particle of the lattice; Pa.
@@ -242,6 +244,19 @@ pub struct GrainList {
     pub density: f64,
     /// Whether its forces with the water are averages.
     pub is_averaged: bool,
+}
+
+/// Reasons of the choice between explicit and implicit viscous steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViscousSteps {
+    /// Step limit of sound over that of viscosity in explicit steps, both at rest; –.
+    pub ratio: f64,
+    /// Largest apparent viscosity at rest; Pa s.
+    pub viscosity: f64,
+    /// Whether the scene gives it.
+    pub is_given: bool,
+    /// Reason why implicit steps, though worthwhile or asked for, cannot be taken.
+    pub refused: Option<String>,
 }
 
 /// An initial body of water.

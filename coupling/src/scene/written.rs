@@ -1,13 +1,13 @@
 //! A resolved scene as a file: every choice written out, so that it runs again to the same bits.
 
 use riprap_dda::{ContactSolver, Integrator, StepBound};
-use riprap_sph::scheme::Viscosity;
+use riprap_sph::scheme::{Viscosity, ViscousStep};
 
 use super::crs::Crs;
 use super::file::{
     AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, GrainExchangeFile,
     HandoffFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile,
-    SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
+    SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile, ViscousStepFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
@@ -161,6 +161,10 @@ fn fluid_numerics(file: NumericsFile, fluid: &FluidScene) -> NumericsFile {
                 ViscosityFile::SubParticleScale(smagorinsky)
             }
         }),
+        viscous_step: match scheme.viscous_step {
+            ViscousStep::Explicit => ViscousStepFile::Explicit,
+            ViscousStep::Implicit => ViscousStepFile::Implicit,
+        },
         bulk_viscosity: Some(scheme.bulk_viscosity),
         shifting: Some(scheme.shifting.into()),
         stepping: Some(scheme.stepping.into()),

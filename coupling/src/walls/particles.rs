@@ -18,7 +18,7 @@ mod surface;
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Fluid, Vec3};
+use riprap_sph::{Fluid, Vec3, ViscousStep};
 
 use super::FluidLoad;
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
@@ -48,6 +48,8 @@ pub struct ParticleWalls {
     /// Position and velocity of each moving point at the start of the step; m, m/s.
     start: Vec<[Vec3; 2]>,
     loads: Vec<FluidLoad>,
+    /// Part of the loads that an implicit viscous step added.
+    drags: Vec<FluidLoad>,
     added: Vec<AddedMass>,
     accelerations: Vec<Acceleration>,
     /// Force of all walls on the fluid; N.
@@ -133,6 +135,7 @@ impl ParticleWalls {
             block: points.blocks,
             frames,
             loads: vec![FluidLoad::default(); definitions.len()],
+            drags: vec![FluidLoad::default(); definitions.len()],
             added: vec![AddedMass::default(); definitions.len()],
             accelerations: vec![Acceleration::default(); definitions.len()],
             force_on_fluid: Vec3::zeros(),
@@ -335,9 +338,15 @@ impl ParticleWalls {
         }
         self.moving.stick(fluid);
         self.sum_loads(fluid, movers.blocks);
+        let is_implicit = fluid.settings().scheme.viscous_step == ViscousStep::Implicit;
         for (b, load) in self.loads.iter().enumerate() {
+            // shear at the present velocities may be many times that of an implicit viscous step
+            let felt = match is_implicit {
+                true => load.pressure,
+                false => load.total(),
+            };
             self.accelerations[b] = if movers.blocks.is_free(b) {
-                movers.solve(b, &load.total(), &self.added[b])
+                movers.solve(b, &felt, &self.added[b])
             } else {
                 Acceleration::default()
             };
@@ -396,6 +405,35 @@ impl ParticleWalls {
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         self.force_on_fluid = self.fixed.add_forces(fluid) + self.moving.add_forces(fluid);
         self.sum_loads(fluid, blocks);
+    }
+
+    /// Adds the walls' resistance to an implicit viscous step.
+    pub fn add_resistance(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_resistance(fluid);
+        self.moving.add_resistance(fluid);
+    }
+
+    /// Adds the reactions of an implicit viscous step to those on the moving blocks; returns what was added.
+    pub fn add_drag(&mut self, fluid: &Fluid, blocks: &Blocks) -> &[FluidLoad] {
+        self.drags.fill(FluidLoad::default());
+        let mut on_walls = Vec3::zeros();
+        self.fixed.visit_drag(fluid, |_, force| on_walls += force);
+        let (drags, block, power) = (&mut self.drags, &self.block, &mut self.power);
+        let (places, frames) = ((&self.local, &self.buried), &self.frames);
+        self.moving.visit_drag(fluid, |w, force| {
+            let b = block[w] as usize;
+            let arm = frames[b].arm(places, w);
+            drags[b].add(&Vec3::zeros(), force, &arm);
+            if !blocks.is_free(b) {
+                *power -= force.dot(&blocks.velocity_at(b, &(frames[b].centroid + arm)));
+            }
+            on_walls += force;
+        });
+        self.force_on_fluid -= on_walls;
+        for (load, drag) in self.loads.iter_mut().zip(&self.drags) {
+            load.add_load(drag);
+        }
+        &self.drags
     }
 
     fn sum_loads(&mut self, fluid: &Fluid, blocks: &Blocks) {

@@ -301,6 +301,23 @@ impl Boundary for Coupler<'_> {
         self.summed();
     }
 
+    fn resistance(&mut self, fluid: &mut Fluid) {
+        if let Some(walls) = &mut *self.walls {
+            walls.add_resistance(fluid);
+        }
+        fluid.hold_in_viscous_step(self.openings.held());
+    }
+
+    fn drag(&mut self, fluid: &mut Fluid) {
+        if let Some(walls) = &mut *self.walls {
+            let blocks = &*self.rock.blocks;
+            self.interface.add_loads(walls.add_drag(fluid, blocks));
+            let accounts = &mut self.rock.bodies.accounts;
+            look_at_fixed(accounts, walls, (fluid, blocks));
+        }
+        self.summed();
+    }
+
     fn begin_kick(&mut self, fluid: &mut Fluid, dt: f64) {
         if let Some(half) = self.in_advance.take() {
             self.apply_loads_at_start(-half);

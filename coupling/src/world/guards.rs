@@ -153,6 +153,7 @@ impl World {
                 .max(-touch.distance / spacing);
         }
         extremes.pair_interactions += fluid.n_pairs();
+        extremes.viscous_products += u64::from(fluid.n_products());
         extremes.particle_steps += fluid.n_receivers();
         extremes.particle_steps_awake += fluid.n_awake() as u64;
         extremes.particle_steps_of_all += fluid.particles().len() as u64;

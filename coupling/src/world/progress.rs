@@ -64,6 +64,8 @@ pub struct Extremes {
     pub blocks_removed: u64,
     /// Ordered neighbor pairs summed over all steps.
     pub pair_interactions: u64,
+    /// Products of implicit viscous steps, summed over all steps.
+    pub viscous_products: u64,
     /// Particles that sums were made for, summed over all steps.
     pub particle_steps: u64,
     /// Particles that were awake, summed over all steps.

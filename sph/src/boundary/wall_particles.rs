@@ -150,6 +150,7 @@ struct Scratch {
     extrapolated: Vec<Extrapolated>,
     concentrations: Vec<Concentration>,
     strains: Vec<StrainSums>,
+    drags: Vec<[f64; 3]>,
     /// Share of its viscous force that each particle keeps; above 1 where a unit viscosity was summed.
     kept: Vec<f64>,
     /// The same for the particles near walls.
@@ -735,15 +736,24 @@ impl WallParticles {
             self.shearing(fluid),
             &mut forces,
         );
+        let mut drags = vec![[0.0; 3]; points.len()];
+        let unlisted = Near {
+            chosen: points,
+            lists: None,
+        };
+        self.sum_drags(fluid, unlisted, &mut drags);
         points
             .iter()
-            .zip(&forces)
-            .map(|(&w, force)| force.times(self.volume[w as usize]))
+            .zip(forces.iter().zip(&drags))
+            .map(|(&w, (force, drag))| {
+                let [pressure, viscous] = force.times(self.volume[w as usize]);
+                [pressure, viscous + self.drag_of(w as usize, drag)]
+            })
             .collect()
     }
 
     /// Calls `visit` with every wet point, its position (m) and the forces of the fluid's pressure and viscosity on it (N), in
-    /// order.
+    /// order; those of an implicit viscous step included once it is solved.
     pub fn visit_reactions(
         &mut self,
         fluid: &Fluid,
@@ -759,11 +769,22 @@ impl WallParticles {
             self.shearing(fluid),
             &mut forces,
         );
-        for (&w, force) in self.wet.updated().iter().zip(&forces) {
+        let mut drags = std::mem::take(&mut self.scratch.drags);
+        drags.clear();
+        drags.resize(forces.len(), [0.0; 3]);
+        self.sum_drags(fluid, self.near_particles(fluid), &mut drags);
+        let of_points = forces.iter().zip(&drags);
+        for (&w, (force, drag)) in self.wet.updated().iter().zip(of_points) {
             let w = w as usize;
-            visit(w, &self.position[w], force.times(self.volume[w]));
+            let [pressure, viscous] = force.times(self.volume[w]);
+            visit(
+                w,
+                &self.position[w],
+                [pressure, viscous + self.drag_of(w, drag)],
+            );
         }
         self.scratch.forces = forces;
+        self.scratch.drags = drags;
     }
 }
 

@@ -41,6 +41,8 @@ impl Fluid {
             plane_force,
             reflected,
             scratch,
+            // of the step before
+            n_products: _,
             // walls set them up again
             thin_solids: _,
             skin,

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::fluid::advance::Compression;
+use crate::fluid::viscous_unknowns::ViscousUnknowns;
 use crate::neighbors::sweep::AnyPoints;
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::Rate;
@@ -26,6 +27,8 @@ pub(crate) struct Scratch {
     pub(crate) extra: AnyPoints,
     /// Apparent viscosities, where they vary.
     pub(crate) viscosities: AnyPoints,
+    /// Unknowns of implicit viscous steps.
+    pub(crate) viscous_step: ViscousUnknowns,
     pub(crate) partial: Vec<f64>,
     pub(super) changes: Vec<Compression>,
     /// Accelerations by the pressure of walls, of the particles that have any; m/s².

@@ -31,7 +31,7 @@ use crate::fluid::energy::fixed_order_sum;
 use crate::fluid::exchange::Exchange;
 use crate::neighbors::cells::{CellGrid, ROW_SPLIT};
 use crate::neighbors::rest::{Rest, Still};
-use crate::scheme::{DensityDiffusion, DensityMethod, Stepping};
+use crate::scheme::{DensityDiffusion, DensityMethod, Stepping, ViscousStep};
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Fluid, FluidError, Particles, Settings, Vec3};
 
@@ -342,6 +342,8 @@ impl Settings {
             "a stepping other than `KickDriftKick`; use that"
         } else if let DensityDiffusion::Antuono(_) = scheme.diffusion {
             "the diffusion `Antuono`, which wants gradients where nothing is computed; use `Fourtakas`"
+        } else if scheme.viscous_step == ViscousStep::Implicit {
+            "implicit viscous steps, in which all water takes part; use `Explicit` ones"
         } else if scheme.viscosity.varies() {
             "a viscosity that varies, as the rate of shear is not known where nothing is computed; use another, or none"
         } else {

@@ -10,10 +10,11 @@ use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::{AnyPoints, PackedIn, PairKind, Receivers, Sum, dispatch};
 use crate::simd::lanes::{Lanes, Machine};
 use crate::terms::continuity::RateOwn;
+use crate::terms::drag::DragOwn;
 use crate::terms::momentum::{ForceDensity, ForceOwn};
 use crate::terms::sums::formulas::{Concentrations, Densities, Gradients, Rates, Strains};
 use crate::terms::sums::{
-    FluidForces, FluidPairs, Formula, Neighborhood, Setup, Shearing, occlusion, run_term,
+    Drags, FluidForces, FluidPairs, Formula, Neighborhood, Setup, Shearing, occlusion, run_term,
 };
 
 /// Chunks of particles whose forces are summed before they become accelerations: memory for these only, and enough for many
@@ -334,4 +335,38 @@ pub(crate) fn forces(
     }
     fluid.scratch.points = points;
     fluid.scratch.forces = all;
+}
+
+/// Viscous forces of velocities (m/s) within the fluid, per volume; packs them into `points`.
+pub(crate) fn drag(
+    fluid: &mut Fluid,
+    velocity: &[Vec3],
+    (points, out): (&mut AnyPoints, &mut [[f64; 3]]),
+) {
+    let p = &fluid.particles;
+    points.pack(
+        fluid.settings.scheme.precision,
+        &fluid.frame,
+        &p.position,
+        |a| {
+            let v = velocity[a];
+            [v.x, v.y, v.z, 0.0, p.mass[a] / p.density[a]]
+        },
+    );
+    fluid.list();
+    fluid.skin.count_sum();
+    drag_on(fluid, points, DragOwn::Each(velocity), out);
+}
+
+/// Viscous forces on velocities of 1 m/s along x past a fluid at rest, per volume; after [`Fluid::pack_forces`].
+pub(crate) fn drag_of_unit(fluid: &mut Fluid, out: &mut [[f64; 3]]) {
+    fluid.list();
+    fluid.skin.count_sum();
+    drag_on(fluid, &fluid.scratch.points, DragOwn::Unit, out);
+}
+
+fn drag_on(fluid: &Fluid, points: &AnyPoints, own: DragOwn, out: &mut [[f64; 3]]) {
+    let shear = fluid.shearing();
+    let drags = Drags::<true, true> { own, shear };
+    within(&fluid.to_everyone(points), &drags, out);
 }

@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::energy::fixed_order_sum;
 use crate::neighbors::rest::Still;
 use crate::terms::momentum::ForceDensity;
-use crate::{CHUNK, Fluid, Vec3};
+use crate::{CHUNK, Fluid, Particles, Vec3};
 
 impl Fluid {
     /// Reflects particles that passed a plane of symmetry: mirrored position and velocity, as their image crosses in the
@@ -82,6 +83,17 @@ impl Fluid {
             true => self.scratch.partial[axis * n..(axis + 1) * n].iter().sum(),
             false => 0.0,
         });
+    }
+
+    /// Adds pair forces (N) of particles to the force of the planes.
+    pub(crate) fn add_to_plane_force(&mut self, force: impl Fn(&Particles, usize) -> Vec3 + Sync) {
+        for axis in 0..3 {
+            if self.has_plane_force(axis) {
+                let particles = &self.particles;
+                let sum = fixed_order_sum(particles.len(), |a| force(particles, a)[axis]);
+                self.plane_force[axis] += sum;
+            }
+        }
     }
 
     /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], normal to

@@ -4,16 +4,17 @@ use crate::fluid::sums::Listing;
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::{ListenerPlaces, Listeners, Lists, Surroundings};
 use crate::neighbors::points::Places;
-use crate::neighbors::sweep::{PairKind, Receivers, dispatch};
+use crate::neighbors::sweep::{AnyPoints, PairKind, Receivers, dispatch};
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::{Rate, RateOwn};
+use crate::terms::drag::DragOwn;
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::{ForceDensity, ForceOwn};
 use crate::terms::sums::formulas::{Concentrations, Extrapolations, Strains, WallRates};
 use crate::terms::sums::{
-    Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces, WallPairs,
-    run_term,
+    Drags, Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces,
+    WallPairs, run_term,
 };
 use crate::{Fluid, Vec3};
 
@@ -44,12 +45,17 @@ impl Fluid {
         }
     }
 
-    /// Sums over the fluid for some of many wall points.
-    fn to_places<'a>(&'a self, places: WallPlaces<'a>, near: Near<'a>) -> Setup<'a> {
+    /// Sums over the fluid, packed in `points`, for some of many wall points.
+    fn to_places<'a>(
+        &'a self,
+        points: &'a AnyPoints,
+        places: WallPlaces<'a>,
+        near: Near<'a>,
+    ) -> Setup<'a> {
         let between = PairKind::WallsAndParticles(places.facets);
         Setup {
             settings: &self.settings,
-            from: self.neighborhood(&self.scratch.points, between),
+            from: self.neighborhood(points, between),
             receivers: some(places.positions, near.chosen),
             lists: near.lists,
         }
@@ -193,10 +199,36 @@ pub(crate) fn reactions(
 ) {
     let own = ForceOwn { velocity, pressure };
     across(
-        &fluid.to_places(places, near),
+        &fluid.to_places(&fluid.scratch.points, places, near),
         &Reactions { own, shear },
         out,
     );
+}
+
+/// Viscous forces per volume on velocities of 1 m/s along x of some particles past wall points at rest, which hold volume.
+pub(crate) fn drags_of_unit(
+    fluid: &Fluid,
+    walls: Neighborhood,
+    near: Near,
+    shear: Shearing,
+    out: &mut [[f64; 3]],
+) {
+    let own = DragOwn::Unit;
+    let drags = Drags::<true, false> { own, shear };
+    across(&fluid.to_some(walls, near), &drags, out);
+}
+
+/// Viscous forces per volume of the fluid on some wall points at rest; the fluid's velocities and volumes are in `points`.
+pub(crate) fn drags_on_walls(
+    fluid: &Fluid,
+    (points, places): (&AnyPoints, WallPlaces),
+    near: Near,
+    shear: Shearing,
+    out: &mut [[f64; 3]],
+) {
+    let own = DragOwn::AtRest;
+    let drags = Drags::<false, true> { own, shear };
+    across(&fluid.to_places(points, places, near), &drags, out);
 }
 
 /// Pressure and velocity of the fluid continued to some points, with `SLOPED` those of the points that each sees; after
@@ -208,7 +240,7 @@ pub(crate) fn extrapolation<const SLOPED: bool>(
     out: &mut [Extrapolated],
 ) {
     across(
-        &fluid.to_places(places, near),
+        &fluid.to_places(&fluid.scratch.points, places, near),
         &Extrapolations::<SLOPED>,
         out,
     );

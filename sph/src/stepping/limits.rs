@@ -2,9 +2,36 @@
 
 use rayon::prelude::*;
 
-use crate::scheme::{DensityMethod, Viscosity};
+use crate::scheme::{DensityMethod, ViscousStep};
 use crate::settings::StepLimits;
-use crate::{Fluid, Vec3};
+use crate::{Fluid, Settings, Vec3};
+
+impl Settings {
+    /// Limit of sound times its speed; m.
+    fn sound_length(&self) -> f64 {
+        match self.scheme.density {
+            DensityMethod::Summation => 0.95 * self.support_radius(),
+            DensityMethod::Continuity => super::sound_limit(&self.scheme) * self.smoothing_length,
+        }
+    }
+
+    /// Largest step with explicit viscosity (m²/s), see [`Fluid::step_limits`]; s.
+    pub fn viscous_limit(&self, kinematic_viscosity: f64) -> f64 {
+        let (h, support) = (self.smoothing_length, self.support_radius());
+        let share = match self.scheme.density {
+            DensityMethod::Summation => 0.127 * support * support,
+            DensityMethod::Continuity if self.scheme.viscosity.is_after_morris() => 0.25 * h * h,
+            DensityMethod::Continuity => 0.10 * h * h,
+        };
+        self.time_step_factor * share / kinematic_viscosity
+    }
+
+    /// Step limit of sound in a fluid at rest over that of explicit viscosity (m²/s); –.
+    pub fn sound_over_viscous_limit(&self, kinematic_viscosity: f64) -> f64 {
+        let sound = self.time_step_factor * self.sound_length() / self.sound_speed;
+        sound / self.viscous_limit(kinematic_viscosity)
+    }
+}
 
 impl Fluid {
     /// Largest steps by cause at the present state; s.
@@ -22,29 +49,19 @@ impl Fluid {
     /// 0.29 to 0.32 after Morris; a wall that does not slip mirrors velocities and takes some of that.
     /// Between grains of porosity `ε` sound has a factor of `√ε`: their part of the pressure's force comes back averaged over a
     /// wider kernel, and waves as short as a spacing run at `c₀/√ε`. That of the force is the customary one at a factor of 0.5. Where viscosity varies ν is the largest of
-    /// any particle over ρ₀.
+    /// any particle over ρ₀. Implicit viscous steps have no limit of viscosity.
     pub fn step_limits(&self) -> StepLimits {
         let s = &self.settings;
-        let (h, support) = (s.smoothing_length, s.support_radius());
-        let (sound, viscous_share) = match s.scheme.density {
-            DensityMethod::Summation => (0.95 * support, 0.127 * support * support),
-            DensityMethod::Continuity => {
-                let sound = super::sound_limit(&s.scheme) * h;
-                match s.scheme.viscosity {
-                    Viscosity::Morris { .. }
-                    | Viscosity::Rheological { .. }
-                    | Viscosity::SubParticleScale { .. } => (sound, 0.25 * h * h),
-                    _ => (sound, 0.10 * h * h),
-                }
-            }
-        };
         StepLimits {
-            sound: s.time_step_factor * sound * self.least_porosity().sqrt()
+            sound: s.time_step_factor * s.sound_length() * self.least_porosity().sqrt()
                 / (s.sound_speed + self.max_speed()),
-            viscosity: s.time_step_factor * viscous_share / self.largest_kinematic_viscosity(),
+            viscosity: match s.scheme.viscous_step {
+                ViscousStep::Implicit => f64::INFINITY,
+                ViscousStep::Explicit => s.viscous_limit(self.largest_kinematic_viscosity()),
+            },
             force: s.time_step_factor
                 * 0.5
-                * (h / largest_norm(&self.particles.acceleration)).sqrt(),
+                * (s.smoothing_length / largest_norm(&self.particles.acceleration)).sqrt(),
         }
     }
 

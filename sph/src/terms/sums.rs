@@ -20,7 +20,7 @@ use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::settings::Settings;
 use crate::simd::lanes::{Lanes, Machine};
 
-pub(crate) use forces::{FluidForces, Reactions, Shearing, WallForces};
+pub(crate) use forces::{Drags, FluidForces, Reactions, Shearing, WallForces};
 
 /// Registers with the records that fill them.
 pub(crate) trait Registers: Lanes<Machine: Machine, Record: Default + PackedIn> {}

@@ -116,6 +116,7 @@ Plane(name: "weir_1", point: (4, 0, 0), normal: (1, 0, 0), blocks: "pebble_")"#;
     StateEquationFile: "Tait";
     DensityDiffusionFile: "Fourtakas(0.1)";
     ViscosityFile: "SubParticleScale(0.12)";
+    ViscousStepFile: "Explicit";
     ShiftingFile: "Fickian(2)";
     SteppingFile: "KickDriftKick";
     PrecisionFile: "Double";

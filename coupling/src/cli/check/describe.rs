@@ -6,14 +6,14 @@ use super::facts::{Blocks, Water};
 use super::{kernel, landslide, water};
 use crate::scene::estimate::Estimate;
 use crate::scene::resolved::recording::Barrier;
-use crate::scene::resolved::{FluidScene, GrainList, MeshSource, Scene};
+use crate::scene::resolved::{FluidScene, GrainList, MeshSource, Scene, ViscousSteps};
 use crate::scene::terrain::Terrain;
 use crate::scene::terrain::triangles::Quality;
 use crate::walls::WallMethod;
 use riprap_dda::{ContactDynamics, Integrator};
 use riprap_sph::boundary::wall_law::WallLaw;
 use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::scheme::Viscosity;
+use riprap_sph::scheme::{Viscosity, ViscousStep};
 
 /// Heading and text of a line.
 pub(super) type Line = (&'static str, String);
@@ -301,9 +301,36 @@ fn fluid(scene: &Scene) -> Vec<Line> {
             ),
         ));
     }
+    if s.scheme.viscosity.is_after_morris() {
+        lines.push(("viscous step", viscous_step(fluid)));
+    }
     lines.push(("walls", walls(fluid)));
     lines.push(("friction", friction(fluid, scene.fastest_flow)));
     lines
+}
+
+/// Viscous steps, and why they are explicit or implicit.
+fn viscous_step(fluid: &FluidScene) -> String {
+    let ViscousSteps {
+        ratio,
+        viscosity,
+        is_given,
+        refused,
+    } = &fluid.viscous_steps;
+    let given = if *is_given { ", as given" } else { "" };
+    let share = match 1.0 < *ratio {
+        true => format!("{ratio:.1} times shorter than that of sound"),
+        false => format!("{:.2} times that of sound", 1.0 / ratio),
+    };
+    let explicit = format!("an explicit one with {viscosity:.3e} Pa s is {share}");
+    match (fluid.settings.scheme.viscous_step, refused) {
+        (ViscousStep::Implicit, _) => format!("implicit{given}: {explicit}"),
+        (ViscousStep::Explicit, Some(refused)) => format!("explicit: {refused}; {explicit}"),
+        (ViscousStep::Explicit, None) if *is_given => format!("explicit{given}: {explicit}"),
+        (ViscousStep::Explicit, None) => {
+            format!("explicit: {explicit}, and implicit ones pay beyond twice")
+        }
+    }
 }
 
 /// Friction of the walls, and how far a film of one spacing goes before the law of the wall has halved its speed (m/s).

@@ -205,7 +205,7 @@ pub enum RheologyFile {
 }
 
 /// Creep of a fluid below its yield stress. A stopped layer of thickness H on a slope still moves at `ρ g sin θ H²/(2
-/// η)`, where η is its viscosity at rest; the step is proportional to 1/η.
+/// η)`, where η is its viscosity at rest; explicit viscous steps are proportional to 1/η.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum RegularizationFile {
     /// Papanastasiou's exponential with its time constant, 100 to 1000 s for mud; the viscosity at rest is the

@@ -1,6 +1,6 @@
 //! Flow laws of the fluid and its regions.
 
-use riprap_sph::{Regularization, Rheology, Settings};
+use riprap_sph::{Regularization, Rheology};
 
 use super::scheme;
 use crate::messages::Code;
@@ -8,8 +8,6 @@ use crate::scene::error::Problem;
 use crate::scene::file::{RegularizationFile, RheologyFile, SceneFile, ViscosityFile};
 use crate::scene::fill::Lattice;
 
-/// Ratio of the acoustic to the viscous step limit above which a warning is due.
-const SLOW_VISCOSITY: f64 = 10.0;
 /// Largest number of flow laws, which the type of a particle's number can tell apart.
 const MOST_LAWS: usize = 256;
 
@@ -96,41 +94,4 @@ pub(super) fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Probl
         kinds: lattice.region.iter().map(kind).collect(),
         rheologies,
     }
-}
-
-/// Warning where viscosity limits the step far more than sound does, in a run of some duration (s) and number of
-/// particles.
-pub(super) fn slow_viscosity(
-    settings: &Settings,
-    laws: &Laws,
-    (duration, n): (f64, usize),
-) -> Option<Problem> {
-    let h = settings.smoothing_length;
-    let constant = settings.kinematic_viscosity() * settings.reference_density;
-    let at_rest = laws.rheologies.iter().map(Rheology::viscosity_at_rest);
-    let viscosity = at_rest.fold(constant, f64::max);
-    let factor = settings.time_step_factor;
-    // the limits of continuity; those of summation are nearly the same
-    let sound = factor * h / settings.sound_speed;
-    let viscous = factor * 0.25 * h * h * settings.reference_density / viscosity;
-    let ratio = sound / viscous;
-    (SLOW_VISCOSITY < ratio).then(|| {
-        let steps = duration / viscous;
-        let path = if laws.rheologies.is_empty() {
-            "fluid.dynamic_viscosity"
-        } else {
-            "fluid.rheology"
-        };
-        Problem::warning(
-            Code::ViscosityLimitsStep,
-            path,
-            format!(
-                "a viscosity of {viscosity:.3e} Pa s limits the step to {viscous:.2e} s, {ratio:.0} times shorter than \
-                 sound does: {steps:.1e} steps and {:.1e} particle steps; up to {:.3e} Pa s it would cost nothing. \
-                 Choose the regularization from the acceptable creep, or coarsen `fluid.resolution`",
-                steps * n as f64,
-                viscosity / ratio,
-            ),
-        )
-    })
 }

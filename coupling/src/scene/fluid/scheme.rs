@@ -3,6 +3,7 @@
 use riprap_sph::scheme::{DensityDiffusion, DensityMethod, Stepping, Viscosity};
 use riprap_sph::{
     Dimensions, FluidError, PresetParameters, Rheology, Scheme, Settings, StateEquation,
+    ViscousStep,
 };
 
 use crate::messages::Code;
@@ -98,6 +99,8 @@ pub(super) fn scheme(file: &SceneFile, law: Option<Rheology>) -> Scheme {
         negative_pressure: (numerics.negative_pressure).map_or(base.negative_pressure, Into::into),
         diffusion: numerics.density_diffusion.map_or(diffusion, Into::into),
         viscosity: viscosity(numerics, base.viscosity, water(file), law),
+        // chosen once flow laws and walls are known
+        viscous_step: ViscousStep::Explicit,
         bulk_viscosity: numerics.bulk_viscosity.unwrap_or(base.bulk_viscosity),
         shifting: numerics.shifting.map_or(base.shifting, Into::into),
         stepping: numerics.stepping.map_or(stepping, Into::into),

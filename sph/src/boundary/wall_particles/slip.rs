@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::WallParticles;
 use crate::boundary::wall_law::WallLaw;
-use crate::fluid::wall_sums;
+use crate::fluid::wall_sums::{self, Near};
 use crate::scheme::Viscosity;
 use crate::terms::concentration::Concentration;
 use crate::terms::gradient::StrainSums;
@@ -46,6 +46,9 @@ impl Slip {
 
 /// Viscosity with which shear along rough walls is summed, before it is scaled to the law of the wall; Pa s.
 const UNIT_VISCOSITY: f64 = 1.0;
+
+/// Change of the velocity of a particle against that of its mirror image in a wall at rest, over its own.
+const MIRRORED: f64 = 2.0;
 
 impl WallParticles {
     /// Viscosity model along these walls.
@@ -93,6 +96,60 @@ impl WallParticles {
         if self.slip.is_scaled() {
             self.keep(fluid, 1.0);
         }
+    }
+
+    /// Resists the change of velocity of the fluid in an implicit viscous step: walls along which it does not slip. Shear up to the
+    /// limit of friction, or by the law of the wall, stays that of the present velocities.
+    pub fn add_resistance(&mut self, fluid: &mut Fluid) {
+        if self.nearby_particles.is_empty() || self.slip != Slip::None {
+            return;
+        }
+        self.list_points(fluid);
+        let mut drags = std::mem::take(&mut self.scratch.drags);
+        drags.resize(self.nearby_particles.len(), [0.0; 3]);
+        wall_sums::drags_of_unit(
+            fluid,
+            self.neighborhood(fluid),
+            self.near_points(fluid),
+            self.shearing(fluid),
+            &mut drags,
+        );
+        let near = self.nearby_particles.iter().zip(&drags);
+        fluid.resist(near.map(|(&a, drag)| (a, -MIRRORED * drag[0])));
+        self.scratch.drags = drags;
+    }
+
+    /// Whether the fluid drags these walls along in the implicit viscous step just solved.
+    fn are_dragged(&self, fluid: &Fluid) -> bool {
+        self.slip == Slip::None && fluid.has_viscous_change()
+    }
+
+    /// Forces of the implicit viscous step just solved on some points, if there was one, per volume and as of particles that are
+    /// not mirrored; see [`Self::drag_of`].
+    pub(super) fn sum_drags(&self, fluid: &Fluid, near: Near, drags: &mut [[f64; 3]]) {
+        if self.are_dragged(fluid) {
+            let places = (fluid.packed_viscous_change(), self.places());
+            wall_sums::drags_on_walls(fluid, places, near, self.shearing(fluid), drags);
+        }
+    }
+
+    /// Force on a point; N.
+    pub(super) fn drag_of(&self, point: usize, drag: &[f64; 3]) -> Vec3 {
+        Vec3::from(*drag) * (MIRRORED * self.volume[point])
+    }
+
+    /// Calls `visit` with every wet point and the force (N) of the implicit viscous step just solved on it, in order.
+    pub fn visit_drag(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, &Vec3)) {
+        if !self.are_dragged(fluid) {
+            return;
+        }
+        let mut drags = std::mem::take(&mut self.scratch.drags);
+        drags.resize(self.wet.updated().len(), [0.0; 3]);
+        self.sum_drags(fluid, self.near_particles(fluid), &mut drags);
+        for (&w, drag) in self.wet.updated().iter().zip(&drags) {
+            visit(w as usize, &self.drag_of(w as usize, drag));
+        }
+        self.scratch.drags = drags;
     }
 
     /// Scales the shear of particles to the limit of friction, or to the law of the wall.

@@ -4,6 +4,7 @@ use super::{Formula, PairSource, Registers, Summing};
 use crate::kernel::{PairKernel, Viscous};
 use crate::neighbors::sweep::{AnyPoints, PackedIn};
 use crate::scheme::Viscosity;
+use crate::terms::drag::{Drag, DragOwn};
 use crate::terms::momentum::{
     AnyViscosity, Central, ForceDensity, ForceOwn, Momentum, PairPressure, PairViscosity,
     Published, Shear, SumOfPressures, VariableShear, WeightedByDensity,
@@ -75,6 +76,42 @@ force_formula!(
 force_formula!(WallForces, Summing::face_pressure, true, false);
 force_formula!(Reactions, Summing::face_pressure, false, true);
 
+/// Viscous forces of a field of velocities: of the fluid on itself with both viscosities of a pair, of walls on the fluid with that of the
+/// receiver, of the fluid on walls with that of the neighbor.
+pub(crate) struct Drags<'a, const OF_RECEIVER: bool, const OF_NEIGHBOR: bool> {
+    pub own: DragOwn<'a>,
+    pub shear: Shearing<'a>,
+}
+
+impl<const OF_RECEIVER: bool, const OF_NEIGHBOR: bool> Formula
+    for Drags<'_, OF_RECEIVER, OF_NEIGHBOR>
+{
+    type Out = [f64; 3];
+
+    fn apply<L, K, W>(&self, summing: Summing<L, K, W, [f64; 3]>) -> u64
+    where
+        L: Registers,
+        K: PairKernel<L>,
+        W: PairSource,
+    {
+        let (machine, kernel) = (summing.machine, summing.kernel);
+        match self.shear {
+            Shearing::Uniform(viscosity) => {
+                let viscosity = summing.uniform(viscosity);
+                summing.of(&Drag::new(machine, kernel, viscosity, self.own))
+            }
+            Shearing::OfParticles(viscosities) => {
+                let shear = VariableShear::<L, OF_RECEIVER, OF_NEIGHBOR>::new(
+                    machine,
+                    L::Record::of(viscosities).records(),
+                    summing.settings.smoothing_length,
+                );
+                summing.of(&Drag::new(machine, kernel, shear, self.own))
+            }
+        }
+    }
+}
+
 impl<L, K, W> Summing<'_, L, K, W, ForceDensity>
 where
     L: Registers,
@@ -103,6 +140,18 @@ where
         }
     }
 
+    fn with_viscosity<P, V>(self, pressure: P, viscosity: V, own: ForceOwn) -> u64
+    where
+        P: PairPressure<L>,
+        V: PairViscosity<L>,
+    {
+        let term = Momentum::new(self.machine, self.kernel, pressure, viscosity, own);
+        self.of(&term)
+    }
+}
+
+impl<L: Registers, K, W, O> Summing<'_, L, K, W, O> {
+    /// A viscosity that is the same for all.
     fn uniform(&self, viscosity: Viscosity) -> AnyViscosity<L> {
         let (s, machine) = (self.settings, self.machine);
         let (h, rho) = (s.smoothing_length, s.reference_density);
@@ -130,14 +179,5 @@ where
                 kinematic_viscosity,
             } => AnyViscosity::Shear(Shear::new(machine, 2.0 * rho * kinematic_viscosity, h)),
         }
-    }
-
-    fn with_viscosity<P, V>(self, pressure: P, viscosity: V, own: ForceOwn) -> u64
-    where
-        P: PairPressure<L>,
-        V: PairViscosity<L>,
-    {
-        let term = Momentum::new(self.machine, self.kernel, pressure, viscosity, own);
-        self.of(&term)
     }
 }
