@@ -54,6 +54,7 @@ mod run_json;
 mod scene_docs;
 mod schema;
 mod serve;
+mod settling;
 mod sleep;
 mod starts;
 mod stepping;

@@ -16,6 +16,7 @@ mod meshes;
 mod places;
 mod recording;
 mod release;
+mod settling;
 mod sides;
 mod solids;
 mod speed;
@@ -77,6 +78,7 @@ impl Scene {
         problems.extend(recording::unknown_blocks(file));
         problems.extend(sides::problems(file));
         problems.extend(barriers::unknown_blocks(file));
+        problems.extend(settling::problems(file, source.blocks.len()));
         let names = Names::of(file);
         let solids = match Solids::of(file, &names, access, terrain) {
             Ok(solids) => solids,
@@ -145,6 +147,7 @@ impl Scene {
             domain,
             duration: file.time.duration,
             settle: file.time.settle,
+            settle_blocks: settling::settling(file),
             wall_limit: file.time.wall_limit,
             stop_at_rest: file.time.stop_at_rest.map(|rest| [rest.speed, rest.time]),
             expected_speed,

@@ -48,6 +48,8 @@ examples! {
     DimensionsFile: "Two";
     TimeFile: "(duration: 8, settle: 1)";
     RestFile: "(speed: 1e-3, time: 0.5)";
+    SettlingFile: r#"// grains behind a gate
+(speed: 1e-3, at_most: 5, gates: ["gate"])"#;
     MaterialFile: r#"(name: "granite", density: 2650, friction_angle_deg: 35, cohesion: 2e5, restitution: 0.4,
  elastic: (young_modulus: 5e10, poisson_ratio: 0.25))"#;
     ElasticFile: "(young_modulus: 5e10, poisson_ratio: 0.25)";

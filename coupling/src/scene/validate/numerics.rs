@@ -5,7 +5,8 @@ use riprap_sph::scheme::LARGEST_BULK_VISCOSITY;
 use super::checks::Checks;
 use crate::messages::Code;
 use crate::scene::file::{
-    BlockIntegratorFile, FramesFile, NumericsFile, OutputFile, SceneFile, StaticDampingFile,
+    BlockIntegratorFile, FramesFile, NumericsFile, OutputFile, SceneFile, SettlingFile,
+    StaticDampingFile,
 };
 use riprap_dda::contact_dynamics::UNSOLVED;
 
@@ -54,6 +55,9 @@ impl Checks {
         ] {
             self.positive(path, what, value);
         }
+        if let Some(settling) = &time.settle_blocks {
+            self.settling(settling);
+        }
         self.rare_outputs(scene);
         self.frames(output);
         self.sleep(numerics);
@@ -96,6 +100,27 @@ impl Checks {
                 Code::ValueOutOfRange,
                 "numerics.smoothing_length_ratio",
                 format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbors than 30 or more than 900"),
+            );
+        }
+    }
+
+    fn settling(&mut self, settling: &SettlingFile) {
+        let path = |field: &str| format!("time.settle_blocks.{field}");
+        for (field, what, value) in [
+            ("speed", "speed at rest", settling.speed),
+            ("time", "time at rest", settling.time),
+            ("at_most", "longest settling", settling.at_most),
+        ] {
+            self.positive(path(field), what, Some(value));
+        }
+        if settling.at_most < settling.time {
+            self.refuse(
+                Code::ValuesOutOfOrder,
+                path("at_most"),
+                format!(
+                    "longest settling must be at least the time at rest of {} s, found {} s",
+                    settling.time, settling.at_most
+                ),
             );
         }
     }
