@@ -11,7 +11,7 @@ use crate::support::killed::{difference, results};
 use crate::support::scene::{errors, resolved, resolved_in};
 use crate::support::{riprap, run, summary, table, words};
 
-const SPEED: f64 = 1e-4;
+const SPEED: f64 = 2e-4;
 const DURATION: f64 = 0.4;
 
 /// 300 grains in a box whose right side is a gate. Walls and gate have no friction, so that the floor bears all; a flap that swings from
@@ -37,6 +37,7 @@ fn grains(settling: &str) -> String {
          shape: Box(min: (2, 0.3, 2), max: (2.2, 0.5, 2.2))),
     ],
     grains: [(name: "pile", material: "grain", region: Box(min: (0, 0, 0), max: (0.8, 0.8, 1.6)), diameter: (0.09, 0.1), count: 300)],
+    numerics: (block_step_bound: Eigenvalues),
     time: (duration: {DURATION}, {settling}),
     masses: [(name: "pile", blocks: "pile")],
     trajectories: (interval: 0.1),
@@ -91,7 +92,7 @@ fn grains_lie_behind_a_gate_that_is_gone_at_the_start() {
         "floor bears {bears} of the weight, the gate {} of it sideways",
         on_gate / weight
     );
-    // what moves at 1e-4 m/s for 0.1 s is not accelerated by more than 1e-4 g
+    // what moves at 2e-4 m/s for 0.1 s is accelerated by 2e-4 g in the mean
     assert!((bears - 1.0).abs() < 1e-3, "{bears}");
     // a pile of 6 x 6 x 8 grains presses sideways with some tenths of its weight
     assert!(0.05 * weight < on_gate && on_gate < weight, "{on_gate}");
@@ -221,7 +222,7 @@ fn grains_that_still_move_are_told() {
     let check = riprap(&["check", file.to_str().unwrap()]);
     let told = String::from_utf8_lossy(&check.stdout).into_owned() + &words(&check);
     assert!(
-        told.contains("nothing is faster than 0.0001 m/s for 0.1 s, 0.15 s at most, behind `gate`, removed at t = 0"),
+        told.contains("nothing is faster than 0.0002 m/s for 0.1 s, 0.15 s at most, behind `gate`, removed at t = 0"),
         "{told}"
     );
     let out = folder.path().join("out");
@@ -298,7 +299,7 @@ fn what_cannot_settle_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.ron");
     for (old, new, told) in [
-        ("speed: 0.0001", "speed: 0", "speed at rest"),
+        ("speed: 0.0002", "speed: 0", "speed at rest"),
         (
             "at_most: 10",
             "at_most: 0.05",

@@ -156,7 +156,7 @@ pub struct SettledBlocks {
     pub steps: u64,
     /// Whether nothing was faster than the scene's speed for as long as it asks.
     pub at_rest: bool,
-    /// Largest speed of any point of a block at its end; m/s.
+    /// Largest speed of any point of a block, of a sphere of its center, at its end; m/s.
     pub fastest: f64,
     /// Share of the volume that spheres fill, in the box between the 20th and 80th percentile of their centers along each axis; `None`
     /// where free blocks are no spheres; –.

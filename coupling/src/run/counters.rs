@@ -86,16 +86,18 @@ impl Counters {
     }
 }
 
-/// Largest speed of any point of a block, or more, zero of a removed one; m/s.
+/// Largest speed of any point of a block, or more, zero of a removed one; m/s. Of a sphere that of its center: one that rolls moves, and one
+/// that spins about its only contact is where it is.
 pub(super) fn speed_of_block(world: &World, b: usize) -> f64 {
     let blocks = &world.blocks;
-    match blocks.is_removed(b) {
-        true => 0.0,
-        false => {
-            let turning = blocks.angular_velocity(b).norm() * blocks.radius(b);
-            blocks.velocity(b).norm() + turning
-        }
+    if blocks.is_removed(b) {
+        return 0.0;
     }
+    let turning = match blocks.sphere_radius(b) {
+        Some(_) => 0.0,
+        None => blocks.angular_velocity(b).norm() * blocks.radius(b),
+    };
+    blocks.velocity(b).norm() + turning
 }
 
 /// Whether any block that can move or any water is faster than a speed (m/s).

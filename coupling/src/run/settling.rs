@@ -1,13 +1,12 @@
 //! Before t = 0: water that calms down among held blocks, or blocks that come to rest among walls and gates.
 
-use riprap_dda::{Shape, Vec3};
+use riprap_dda::Vec3;
 
 use super::counters::{Counters, Settled, Stage, speed_of_block};
 use super::observers::Observers;
 use super::{Event, Run, RunError};
 use crate::files::table::Start;
 use crate::output::summary::SettledBlocks;
-use crate::scene::resolve::Scene;
 use crate::scene::resolved::Settling;
 use crate::world::time_step::TimeStep;
 use crate::world::{StepError, World};
@@ -67,7 +66,7 @@ impl Run<'_> {
             steps,
             at_rest,
             fastest: speeds.fold(0.0, f64::max),
-            solid_fraction: solid_fraction(self.scene, &self.world),
+            solid_fraction: solid_fraction(&self.world),
         };
         self.world.release_blocks(&asked.gates)?;
         self.counters.settled = Some(Settled {
@@ -108,13 +107,10 @@ impl Run<'_> {
 }
 
 /// Share of the core of a heap of spheres that is solid, see [`SettledBlocks::solid_fraction`]; –.
-fn solid_fraction(scene: &Scene, world: &World) -> Option<f64> {
+fn solid_fraction(world: &World) -> Option<f64> {
     let blocks = &world.blocks;
     let free = (0..blocks.n_blocks()).filter(|&b| blocks.is_free(b));
-    let sphere = |b: usize| match scene.blocks[b].shape {
-        Shape::Sphere { radius, .. } => Some((blocks.centroid(b), radius)),
-        Shape::Polyhedra(_) | Shape::Surface(_) => None,
-    };
+    let sphere = |b: usize| Some((blocks.centroid(b), blocks.sphere_radius(b)?));
     let spheres: Vec<(Vec3, f64)> = free.map(sphere).collect::<Option<_>>()?;
     let mut bounds = [[0.0; 2]; 3];
     for (axis, bounds) in bounds.iter_mut().enumerate() {
