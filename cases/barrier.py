@@ -124,7 +124,8 @@ def scene(piles, words, args):
     // a bound of the step by eigenvalues: a third of the steps that sums over contacts ask for
     numerics: (block_step_bound: Eigenvalues),
     time: (duration: {args.duration:g}{settling}),
-    output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.1),
+    // blocks.npy of 20 MB for ten seconds
+    output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.1, block_table: (interval: 0.5, format: Npy)),
     camera: (position: (2, -12, 7), look_at: (7, 1, 0.5), field_of_view_deg: 40),
 )
 """

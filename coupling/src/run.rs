@@ -345,7 +345,15 @@ impl<'a> Run<'a> {
     /// The step that the state asks for, within the present share.
     fn next_step(&self) -> Result<TimeStep, StepError> {
         let share = self.counters.reduction.share(self.place().time);
-        self.world.next_step_within(self.scene.duration, share)
+        self.world.next_step_within(self.span(), share)
+    }
+
+    /// Duration of the present stage, or more: a thousandth of it bounds the step in free flight; s.
+    fn span(&self) -> f64 {
+        match &self.scene.settle_blocks {
+            Some(asked) if self.is_settling() => self.scene.duration.max(asked.at_most),
+            _ => self.scene.duration,
+        }
     }
 
     /// Step of the present stage.

@@ -16,6 +16,7 @@ mod amounts;
 mod barriers;
 mod block_forces;
 mod block_scenes;
+mod block_table;
 mod boundaries;
 mod budget;
 mod check_json;

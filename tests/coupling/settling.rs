@@ -11,11 +11,11 @@ use crate::support::killed::{difference, results};
 use crate::support::scene::{errors, resolved, resolved_in};
 use crate::support::{riprap, run, summary, table, words};
 
-const SPEED: f64 = 2e-4;
+/// Springs do not resist the spin of a sphere about its only contact: such a one creeps for long.
+const SPEED: f64 = 2e-3;
 const DURATION: f64 = 0.4;
 
-/// 300 grains in a box whose right side is a gate. Walls and gate have no friction, so that the floor bears all; a flap that swings from
-/// the start, out of reach, and a mass that is recorded.
+/// 300 grains in a box whose right side is a gate; a flap that swings from the start, out of reach; records that begin at the start.
 fn grains(settling: &str) -> String {
     format!(
         r#"(
@@ -24,16 +24,14 @@ fn grains(settling: &str) -> String {
     materials: [
         (name: "grain", density: 2500, friction_angle_deg: 30, restitution: 0.2, contact_stiffness: 2e5, rolling_friction: 0.1),
         (name: "bed", density: 2500, friction_angle_deg: 30, restitution: 0.2, contact_stiffness: 2e5, rolling_friction: 0.1),
-        (name: "wall", density: 2500, friction_angle_deg: 0, restitution: 0.2, contact_stiffness: 2e5),
     ],
-    joints: [(between: ("grain", "wall"), rolling_friction: 0)],
     blocks: [
         (name: "floor", material: "bed", motion: Fixed, shape: Box(min: (-0.2, -0.2, -0.2), max: (2.5, 1, 0))),
-        (name: "back", material: "wall", motion: Fixed, shape: Box(min: (-0.2, -0.2, 0), max: (0, 1, 1.6))),
-        (name: "near", material: "wall", motion: Fixed, shape: Box(min: (0, -0.2, 0), max: (2.5, 0, 1.6))),
-        (name: "far", material: "wall", motion: Fixed, shape: Box(min: (0, 0.8, 0), max: (2.5, 1, 1.6))),
-        (name: "gate", material: "wall", motion: Fixed, shape: Box(min: (0.8, 0, 0), max: (0.9, 0.8, 1.6))),
-        (name: "flap", material: "wall", motion: Sinusoid(direction: (0, 0, 1), amplitude: 0.1, period: 1),
+        (name: "back", material: "bed", motion: Fixed, shape: Box(min: (-0.2, -0.2, 0), max: (0, 1, 1.6))),
+        (name: "near", material: "bed", motion: Fixed, shape: Box(min: (0, -0.2, 0), max: (2.5, 0, 1.6))),
+        (name: "far", material: "bed", motion: Fixed, shape: Box(min: (0, 0.8, 0), max: (2.5, 1, 1.6))),
+        (name: "gate", material: "bed", motion: Fixed, shape: Box(min: (0.8, 0, 0), max: (0.9, 0.8, 1.6))),
+        (name: "flap", material: "bed", motion: Sinusoid(direction: (0, 0, 1), amplitude: 0.1, period: 1),
          shape: Box(min: (2, 0.3, 2), max: (2.2, 0.5, 2.2))),
     ],
     grains: [(name: "pile", material: "grain", region: Box(min: (0, 0, 0), max: (0.8, 0.8, 1.6)), diameter: (0.09, 0.1), count: 300)],
@@ -59,40 +57,45 @@ fn scene(text: &str) -> Scene {
     scene
 }
 
-/// The floor bears the weight, nothing moves, the clock stands; without its gate the pile fails, and its account closes.
+/// Floor, walls and gate bear the weight, nothing moves, the clock stands; without its gate the pile fails, and its account closes.
 #[test]
 fn grains_lie_behind_a_gate_that_is_gone_at_the_start() {
     let mut scene = scene(&settled());
-    let gate = scene.block_names.iter().position(|n| n == "gate").unwrap();
     let mut run = Run::in_memory(&mut scene).unwrap();
     let number = |name: &str| {
         let names = &run.scene().block_names;
         names.iter().position(|n| n == name).unwrap()
     };
-    let (floor, flap) = (number("floor"), number("flap"));
-    let free: Vec<usize> = (0..run.world().blocks.n_blocks())
-        .filter(|&b| run.world().blocks.is_free(b))
-        .collect();
-    assert_eq!(free.len(), 300);
-    let flap_at = run.world().blocks.centroid(flap);
-    let mut on_gate = 0.0;
-    while run.is_settling() {
-        on_gate = run.world().blocks.contact_force(gate).force.x;
-        let velocity = run.world().blocks.velocity(flap).norm();
+    let (gate, flap) = (number("gate"), number("flap"));
+    let blocks = &run.world().blocks;
+    let all = || 0..blocks.n_blocks();
+    let free: Vec<usize> = all().filter(|&b| blocks.is_free(b)).collect();
+    let fixed: Vec<usize> = all().filter(|&b| blocks.is_fixed(b)).collect();
+    assert_eq!((free.len(), fixed.len()), (300, 5));
+    let flap_at = blocks.centroid(flap);
+    // on the fixed blocks, and on the gate along the flow
+    let mut borne = (0.0, 0.0);
+    loop {
         run.step().unwrap();
-        assert!(velocity == 0.0 || run.world().clock().last_dt.is_none());
+        let blocks = &run.world().blocks;
         assert_eq!(run.world().time(), 0.0);
+        if !run.is_settling() {
+            break;
+        }
+        assert_eq!(blocks.velocity(flap).norm(), 0.0);
+        let down = fixed.iter().map(|&b| -blocks.contact_force(b).force.z);
+        borne = (down.sum::<f64>(), blocks.contact_force(gate).force.x);
     }
     let world = run.world();
     let blocks = &world.blocks;
     assert_eq!(world.clock().steps, 0);
     let weight: f64 = free.iter().map(|&b| blocks.mass(b) * 9.81).sum();
-    let bears = -blocks.contact_force(floor).force.z / weight;
+    let (bears, on_gate) = (borne.0 / weight, borne.1);
     println!(
-        "floor bears {bears} of the weight, the gate {} of it sideways",
+        "{bears} of the weight is borne, the gate has {} of it",
         on_gate / weight
     );
-    // what moves at 2e-4 m/s for 0.1 s is accelerated by 2e-4 g in the mean
+    // what moves at 2e-3 m/s for 0.1 s is accelerated by 2e-3 g at most in the mean, most of it by far less
     assert!((bears - 1.0).abs() < 1e-3, "{bears}");
     // a pile of 6 x 6 x 8 grains presses sideways with some tenths of its weight
     assert!(0.05 * weight < on_gate && on_gate < weight, "{on_gate}");
@@ -120,7 +123,7 @@ fn grains_lie_behind_a_gate_that_is_gone_at_the_start() {
         "{out} out, residual {:.2e} of {released:.1} J",
         energy.residual
     );
-    // measured with steps of 0.8 of the bound: 2e-3 of what was released
+    // measured 8e-4 of what was released, with impacts in single steps
     assert!(
         energy.residual.abs() < 1e-2 * released,
         "{}",
@@ -222,7 +225,7 @@ fn grains_that_still_move_are_told() {
     let check = riprap(&["check", file.to_str().unwrap()]);
     let told = String::from_utf8_lossy(&check.stdout).into_owned() + &words(&check);
     assert!(
-        told.contains("nothing is faster than 0.0002 m/s for 0.1 s, 0.15 s at most, behind `gate`, removed at t = 0"),
+        told.contains("nothing is faster than 0.002 m/s for 0.1 s, 0.15 s at most, behind `gate`, removed at t = 0"),
         "{told}"
     );
     let out = folder.path().join("out");
@@ -275,7 +278,7 @@ fn what_cannot_settle_is_refused() {
         (
             "count: 300",
             "count: 300, velocity: (1, 0, 0)",
-            "time.settle_blocks: block `pile_001` has a velocity",
+            "time.settle_blocks: block `pile_0001` has a velocity",
         ),
         (
             "time:",
@@ -299,7 +302,7 @@ fn what_cannot_settle_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grains.ron");
     for (old, new, told) in [
-        ("speed: 0.0002", "speed: 0", "speed at rest"),
+        ("speed: 0.002", "speed: 0", "speed at rest"),
         (
             "at_most: 10",
             "at_most: 0.05",

@@ -52,7 +52,8 @@ pub use numerics::{
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{
-    BlockField, BoxFile, CameraFile, FramesFile, OutputFile, WaterField, WaterFramesFile,
+    BlockField, BlockTableFile, BoxFile, CameraFile, FramesFile, OutputFile, TableFormatFile,
+    WaterField, WaterFramesFile,
 };
 pub use records::{BarrierFile, CounterFile, ReactionFile};
 pub use shapes::{PartFile, ShapeFile, SplitFile};
@@ -376,7 +377,7 @@ pub struct TimeFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SettlingFile {
-    /// Largest speed at rest, of any point of a block; m/s.
+    /// Largest speed at rest, of any point of a block, of a sphere of its center; m/s.
     #[schemars(extend("x-unit" = "m/s", "exclusiveMinimum" = 0))]
     pub speed: f64,
     /// Time for which it must hold; s.
@@ -396,7 +397,7 @@ pub struct SettlingFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RestFile {
-    /// Largest speed at rest, of any point of a block; m/s.
+    /// Largest speed at rest, of any point of a block, of a sphere of its center; m/s.
     #[schemars(extend("x-unit" = "m/s", "exclusiveMinimum" = 0))]
     pub speed: f64,
     /// Time for which it must hold; s.

@@ -76,6 +76,7 @@ impl Scene {
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());
         problems.extend(expanded.warnings.iter().cloned());
         problems.extend(recording::unknown_blocks(file));
+        problems.extend(recording::unusable_rows(file));
         problems.extend(sides::problems(file));
         problems.extend(barriers::unknown_blocks(file));
         problems.extend(settling::problems(file, source.blocks.len()));
@@ -169,6 +170,7 @@ impl Scene {
             },
             gauges: recording::gauges(file, &names),
             forces: recording::forces(file, &output),
+            block_table: recording::block_table(file, &output),
             output,
             trajectories: recording::trajectories(file),
             maps: recording::maps(file, fluid.as_ref()),

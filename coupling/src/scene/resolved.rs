@@ -20,7 +20,9 @@ use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
 use crate::world::{OutOfDomain, Weakening};
-use recording::{Barrier, Counter, Gauge, Handoff, Maps, Output, Reaction, TrackedMass, Tracking};
+use recording::{
+    Barrier, BlockTable, Counter, Gauge, Handoff, Maps, Output, Reaction, TrackedMass, Tracking,
+};
 use register::Register;
 
 /// Settling of free blocks before t = 0.
@@ -93,6 +95,8 @@ pub struct Scene {
     pub fluid: Option<FluidScene>,
     /// Files and intervals.
     pub output: Output,
+    /// Table of the motion of blocks.
+    pub block_table: BlockTable,
     /// Recording instruments.
     pub gauges: Vec<Gauge>,
     /// Blocks for which forces are recorded by source; `None`: not recorded.

@@ -5,13 +5,13 @@ use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, HandoffFile,
-    InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile,
-    StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
+    AbsorberFile, BlockIntegratorFile, BlockTableFile, ContactSolverFile, FluidFile, ForcesFile,
+    HandoffFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile,
+    SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
-use super::resolved::recording::{Maps, Output};
+use super::resolved::recording::{BlockTable, Maps, Output};
 use super::resolved::{FluidScene, Scene};
 use crate::walls::WallMethod;
 
@@ -83,7 +83,7 @@ impl Scene {
                 level: self.handoff.as_ref().map(|chosen| chosen.level),
                 ..handoff
             }),
-            output: written_output(&source.output, &self.output, fluid),
+            output: written_output(&source.output, (&self.output, &self.block_table), fluid),
             ..source.clone()
         }
     }
@@ -208,8 +208,16 @@ fn written_maps(file: MapsFile, chosen: Option<Maps>) -> MapsFile {
     }
 }
 
-fn written_output(file: &OutputFile, output: &Output, fluid: Option<&FluidScene>) -> OutputFile {
+fn written_output(
+    file: &OutputFile,
+    (output, table): (&Output, &BlockTable),
+    fluid: Option<&FluidScene>,
+) -> OutputFile {
     OutputFile {
+        block_table: BlockTableFile {
+            interval: Some(table.interval),
+            ..file.block_table.clone()
+        },
         frame_interval: Some(output.frame_interval),
         gauge_interval: Some(output.gauge_interval),
         ledger_interval: Some(output.ledger_interval),

@@ -132,6 +132,9 @@ Plane(name: "weir_1", point: (4, 0, 0), normal: (1, 0, 0), blocks: "pebble_")"#;
     OutflowFile: r#"(name: "sea", min: (9, 0, 0), max: (10, 2, 1), towards: XMax, depth: [(0, 0.2)])"#;
     OutputFile: "(frame_interval: 0.1, gauge_interval: 0.01, face_pressures: true)";
     WaterFramesFile: "// a quarter of the water near the wall\n(interval: 0.5, stride: 4, box: (min: (8, 0, 0), max: (10, 2, 3)))";
+    BlockTableFile: r#"// a heap of thousands of grains
+(blocks: ["grain_*"], interval: 0.5, format: Npy)"#;
+    TableFormatFile: "Npy";
     FramesFile: "(interval: 0.02)";
     BoxFile: "(min: (8, 0, 0), max: (10, 2, 3))";
     WaterField: "Pressure";

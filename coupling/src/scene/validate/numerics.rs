@@ -52,6 +52,11 @@ impl Checks {
                 "time at rest",
                 time.stop_at_rest.map(|rest| rest.time),
             ),
+            (
+                "output.block_table.interval",
+                "interval of the table of blocks",
+                output.block_table.interval,
+            ),
         ] {
             self.positive(path, what, value);
         }
@@ -132,6 +137,7 @@ impl Checks {
             ("frame_interval", output.frame_interval),
             ("gauge_interval", output.gauge_interval),
             ("ledger_interval", output.ledger_interval),
+            ("block_table.interval", output.block_table.interval),
             ("water.interval", output.water.interval),
             ("blocks.interval", output.blocks.interval),
             ("contact_frames.interval", output.contact_frames.interval),
