@@ -384,7 +384,7 @@ pub struct SettlingFile {
     #[serde(default = "tenth")]
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub time: f64,
-    /// Longest duration; a warning tells how fast the fastest block still is. s.
+    /// Longest duration, after which a warning tells how fast the fastest block still is; s.
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub at_most: f64,
     /// Fixed blocks that hold the others meanwhile, and are removed at t = 0; `gate_*` stands for all whose names begin with `gate_`.
