@@ -124,9 +124,9 @@ fn grains_lie_behind_a_gate_that_is_gone_at_the_start() {
         "{out} out, residual {:.2e} of {released:.1} J",
         energy.residual
     );
-    // measured 8e-4 of what was released, with impacts in single steps
+    // measured 9e-4 of what was released, with impacts in single steps
     assert!(
-        energy.residual.abs() < 1e-2 * released,
+        energy.residual.abs() < 3e-3 * released,
         "{}",
         energy.residual
     );
