@@ -5,6 +5,7 @@
     python3 barrier.py slit closed --upright      no opening, upright instead of at right angles to the bed
     python3 barrier.py sectional F                one of the published ten, A to L
     python3 barrier.py sectional --piles 6 --pile 0.3 --opening 0.25
+    python3 barrier.py slit 5 --settled           from rest behind a gate, which is gone at t = 0
 
 The scene goes to standard output. A test holds the committed scenes to this script. Published: doctoral thesis on debris flow against open
 rigid barriers by coupled DEM-LBM, chapters 6 and 7 (table 7.1). x runs down the bed, y across, z off it; gravity is turned by the slope.
@@ -21,6 +22,7 @@ SPACING = 0.105  # of its lattice: the largest diameter; m
 ACROSS = 18  # grains
 FRICTION, ROLLING, ROLLING_AT_WALLS = 0.577, 0.0678, 0.1356
 GRAVITY = 9.81
+SETTLING = 10.0  # at most; s
 # piles, width of a pile, opening over the mean radius
 SECTIONAL = {
     "A": (8, 0.10, 4), "B": (7, 0.10, 5), "C": (6, 0.10, 6), "D": (5, 0.10, 8), "E": (4, 0.10, 11),
@@ -62,6 +64,14 @@ def scene(piles, words, args):
     lean = HEIGHT * math.tan(slope) if args.upright else 0.0
     along = math.floor(4.6 / SPACING + 0.5) * SPACING
     left = (WIDTH - ACROSS * SPACING) / 2
+    settling, gate, start = "", "", "let go"
+    if args.settled:
+        settling = f', settle_blocks: (speed: 0.01, time: 0.1, at_most: {SETTLING:g}, gates: ["gate"])'
+        gate = (
+            f'        (name: "gate", material: "wall", motion: Fixed,'
+            f' shape: Box(min: ({FRONT:g}, 0, 0), max: ({FRONT + THICKNESS:g}, {WIDTH:g}, {HEIGHT:g}))),\n'
+        )
+        start = "let go, once they lie behind a gate,"
     blocks = "\n".join(
         f'        (name: "pile_{number}", material: "wall", motion: Fixed, shape: {pile_shape(start, end, lean)}),'
         for number, (start, end) in enumerate(piles, 1)
@@ -79,7 +89,7 @@ def scene(piles, words, args):
     return f"""// Dry debris against a barrier: {words}.
 //
 // After a doctoral thesis on debris flow against open rigid barriers by coupled DEM-LBM, chapters 6 and 7: {args.grains} spheres of 9.5 to
-// 10.5 cm are let go on a bed of {args.slope:g} degrees, 3.275 m before a barrier. A simulation by another code, one run each, not an experiment.
+// 10.5 cm are {start} on a bed of {args.slope:g} degrees, 3.275 m before a barrier. A simulation by another code, one run each, not an experiment.
 // Its domain ends at the height of the barrier: a ceiling, as of a culvert, which the flow reaches from 30 degrees on. Its barrier is of
 // spheres, rough; this one of plane piles.
 //
@@ -101,7 +111,7 @@ def scene(piles, words, args):
     ],
     blocks: [
 {channel}
-{blocks}
+{gate}{blocks}
     ],
     grains: [
         (name: "grain", material: "grain",
@@ -113,8 +123,9 @@ def scene(piles, words, args):
     reactions: [(name: "walls", between: ("grain_*", "wall"), direction: (1, 0, 0))],
     // a bound of the step by eigenvalues: a third of the steps that sums over contacts ask for
     numerics: (block_step_bound: Eigenvalues),
-    time: (duration: {args.duration:g}),
-    output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.1),
+    time: (duration: {args.duration:g}{settling}),
+    // blocks.npy of 20 MB for ten seconds
+    output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.1, block_table: (interval: 0.5, format: Npy)),
     camera: (position: (2, -12, 7), look_at: (7, 1, 0.5), field_of_view_deg: 40),
 )
 """
@@ -129,6 +140,7 @@ def main():
     parser.add_argument("--pile", type=float, help="width of a pile; m")
     parser.add_argument("--opening", type=float, help="between two piles; m")
     parser.add_argument("--upright", action="store_true", help="upright instead of at right angles to the bed")
+    parser.add_argument("--settled", action="store_true", help="the mass comes to rest behind a gate before it is released")
     parser.add_argument("--slope", type=float, default=35.0, help="of the bed; degrees")
     parser.add_argument("--grains", type=int, default=7640)
     parser.add_argument("--seed", type=int, default=1)
@@ -146,6 +158,8 @@ def main():
         words = f"{args.piles} piles of {args.pile:g} m, openings of {args.opening:g} m"
     if args.upright:
         words += ", upright"
+    if args.settled:
+        words += ", settled behind a gate"
     print(scene(piles, words, args), end="")
 
 

@@ -30,6 +30,7 @@ fn slope(n_blocks: f64) -> Result<Blocks, Failure> {
         contact_stiffness: 1e10,
         joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
+        shear_damping_ratio: 0.2,
         rolling_friction: 0.0,
         twisting_friction: 0.0,
         elastic: None,

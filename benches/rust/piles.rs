@@ -70,6 +70,7 @@ impl Pile {
             contact_stiffness: self.contact_stiffness,
             joint_stiffness: None,
             shear_stiffness_ratio: self.shear_stiffness_ratio,
+            shear_damping_ratio: 0.2,
             rolling_friction: 0.0,
             twisting_friction: 0.0,
             elastic: None,

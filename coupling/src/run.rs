@@ -16,6 +16,7 @@ mod observers;
 mod pace;
 mod packing;
 pub mod preparation;
+mod settling;
 mod status;
 mod step_reduction;
 mod summary;
@@ -51,10 +52,6 @@ use step_reduction::StepReduction;
 use wall_limit::Reserve;
 pub use wall_limit::WallLimit;
 
-/// Damping rate of settling times its duration: initial motion decays to `e⁻²⁰` at the end.
-const SETTLING_DECAY: f64 = 20.0;
-/// Fraction of settling, at its end, without damping, to reveal motion suppressed by damping.
-const UNDAMPED_SHARE: f64 = 0.1;
 /// Time left at which a run is over, a sum of equal steps being off by round-off, × duration.
 const ROUND_OFF: f64 = 1e-12;
 
@@ -182,7 +179,7 @@ impl<'a> Run<'a> {
     pub fn in_memory(scene: &'a mut Scene) -> Result<Self, RunError> {
         let world = build(scene)?;
         scene.release_start();
-        let settles = world.water.is_some() && 0.0 < scene.settle;
+        let settles = 0.0 < scene.longest_settling();
         let stage = match settles {
             true => Stage::Settling {
                 time: 0.0,
@@ -222,6 +219,7 @@ impl<'a> Run<'a> {
     ///
     /// [`RunError`] when the checkpoint belongs to another scene. The run can then not be continued.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), RunError> {
+        self.reopen_records(&checkpoint.state)?;
         self.read(&checkpoint.state)?;
         self.costs.n_resumed += 1;
         Ok(())
@@ -333,7 +331,11 @@ impl<'a> Run<'a> {
 
     /// Step of the present stage with its records.
     fn take_step(&mut self) -> Result<TimeStep, RunError> {
+        let was_settling = self.is_settling();
         let step = self.advance()?;
+        if was_settling && !self.is_settling() {
+            self.open_records()?;
+        }
         if !self.is_settling() {
             self.observe()?;
         }
@@ -343,25 +345,23 @@ impl<'a> Run<'a> {
     /// The step that the state asks for, within the present share.
     fn next_step(&self) -> Result<TimeStep, StepError> {
         let share = self.counters.reduction.share(self.place().time);
-        self.world.next_step_within(self.scene.duration, share)
+        self.world.next_step_within(self.span(), share)
+    }
+
+    /// Duration of the present stage, or more: a thousandth of it bounds the step in free flight; s.
+    fn span(&self) -> f64 {
+        match &self.scene.settle_blocks {
+            Some(asked) if self.is_settling() => self.scene.duration.max(asked.at_most),
+            _ => self.scene.duration,
+        }
     }
 
     /// Step of the present stage.
     fn advance(&mut self) -> Result<TimeStep, StepError> {
-        let (settle, step) = (self.scene.settle, self.next_step()?);
-        match &mut self.counters.stage {
-            Stage::Settling { time, steps } => {
-                let is_damped = *time < (1.0 - UNDAMPED_SHARE) * settle;
-                let rate = if is_damped {
-                    SETTLING_DECAY / settle
-                } else {
-                    0.0
-                };
-                self.world.settle_step(step.dt, rate)?;
-                *time += step.dt;
-                *steps += 1;
-                if settle <= *time {
-                    self.world.release()?;
+        let step = self.next_step()?;
+        match self.counters.stage {
+            Stage::Settling { .. } => {
+                if self.settle(step)? {
                     self.costs.settling = self.wall_time();
                     self.begin();
                 }
@@ -370,7 +370,8 @@ impl<'a> Run<'a> {
                 self.world.step(step)?;
                 self.counters.count(step);
                 if let Some([speed, _]) = self.scene.stop_at_rest {
-                    self.counters.watch_rest(&self.world, speed);
+                    let time = self.world.time();
+                    self.counters.watch_rest(&self.world, speed, time);
                 }
                 self.check_stability()?;
             }
@@ -383,6 +384,7 @@ impl<'a> Run<'a> {
         self.counters.stage = Stage::Running;
         self.counters.detector = BlowUpDetector::of(&self.world);
         self.counters.reduction = StepReduction::default();
+        self.counters.at_rest_since = None;
     }
 
     /// Periodic check for faults that no single step shows.
@@ -430,7 +432,7 @@ impl<'a> Run<'a> {
         self.notices.extend(events);
     }
 
-    /// Whether the water is still coming to rest before t = 0.
+    /// Whether water or blocks are still coming to rest before t = 0.
     pub fn is_settling(&self) -> bool {
         self.counters.stage != Stage::Running
     }
@@ -681,7 +683,7 @@ mod tests {
         let (stop, mut told) = (AtomicBool::new(false), Vec::new());
         let mut tell = |event: Event| match event {
             Event::Step(progress) if progress.steps == 60 => stop.store(true, Ordering::Relaxed),
-            Event::Step(_) | Event::Frame { .. } | Event::Checkpoint(_) => {}
+            Event::Step(_) | Event::Frame { .. } | Event::Checkpoint(_) | Event::Settled(_) => {}
             Event::FellBack { error, .. } => told.push(error.to_string()),
         };
         assert_eq!(run.until(&stop, &mut tell).unwrap(), Ending::Interrupted);

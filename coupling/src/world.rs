@@ -11,6 +11,7 @@ pub mod ledger;
 mod penetrations;
 pub(crate) mod pistons;
 mod progress;
+mod settling;
 pub mod time_step;
 mod water;
 mod weakening;
@@ -20,7 +21,7 @@ use riprap_sph::{Stepping, Vec3};
 
 use crate::world::bodies::{BlockPhase, Bodies, InWalls, movable};
 use crate::world::pistons::AbsorbingPiston;
-use crate::world::progress::{Held, Progress, Stopwatch};
+use crate::world::progress::{Progress, Stopwatch};
 use crate::world::time_step::{BlockSteps, TimeStep};
 
 pub use accounts::FluidImpulses;
@@ -33,7 +34,7 @@ pub use weakening::Weakening;
 /// Distance below which a block touches a plane of symmetry, over the size of the domain: digits that a user types.
 pub(crate) const TOUCH: f64 = 1e-9;
 
-/// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
+/// Everything that changes during a run. Only [`World::step`] and the steps of settling change it.
 #[derive(Debug)]
 pub struct World {
     /// The blocks; without any, an empty system that does nothing.
@@ -130,7 +131,7 @@ impl World {
         self.weaken();
         self.begin_sleep()?;
         self.steer_pistons(dt);
-        let block_substeps = self.advance(dt, step.of_blocks)?;
+        let block_substeps = self.advance(self.time(), dt, step.of_blocks)?;
         if let Some(water) = &mut self.water {
             let absorbed = water.absorb(dt);
             self.progress.ledger.absorb(&absorbed);
@@ -140,42 +141,8 @@ impl World {
         self.check_speeds()
     }
 
-    /// A step of the fluid alone, blocks held, velocities damped by `exp(−rate · dt)`.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::step`].
-    pub fn settle_step(&mut self, dt: f64, rate: f64) -> Result<(), StepError> {
-        self.progress.held = Held::AllBlocks;
-        self.advance(dt, BlockSteps::NONE)?;
-        if let Some(water) = &mut self.water {
-            water.fluid.damp((-rate * dt).exp());
-        }
-        self.progress.clock.last_dt = Some(dt);
-        self.check_speeds()
-    }
-
-    /// Ends settling: blocks are let go, the ledger and all counts start here.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::step`].
-    pub fn release(&mut self) -> Result<(), StepError> {
-        self.progress.held = Held::NoBlock;
-        self.progress.extremes = Extremes::default();
-        if let Some(water) = &mut self.water
-            && water.sleeping.is_some()
-        {
-            // sleeping water is at rest, and residual motion of settling is not part of the run
-            water.fluid.damp(0.0);
-        }
-        self.evaluate()?;
-        self.open_ledger();
-        Ok(())
-    }
-
-    /// Advances the media by `dt` (s); returns the steps that blocks took.
-    fn advance(&mut self, dt: f64, of_blocks: BlockSteps) -> Result<u32, StepError> {
+    /// Advances the media from a time by `dt` (s); returns the steps that blocks took.
+    fn advance(&mut self, from: f64, dt: f64, of_blocks: BlockSteps) -> Result<u32, StepError> {
         if self.water.is_some() {
             return self.coupled(of_blocks, |fluid, coupler| fluid.step(coupler, dt));
         }
@@ -185,7 +152,6 @@ impl World {
             progress: &mut self.progress,
             watch: Stopwatch::start(),
         };
-        let from = rock.progress.clock.time;
         rock.advance(from, dt, of_blocks, InWalls::No)
     }
 

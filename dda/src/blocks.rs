@@ -20,6 +20,7 @@ mod placement;
 mod query;
 mod rest;
 mod scratch;
+mod settling;
 mod spanned;
 mod state;
 mod state_numbers;

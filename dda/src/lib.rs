@@ -42,6 +42,7 @@
 //!     contact_stiffness: 1e8,
 //!     joint_stiffness: None,
 //!     shear_stiffness_ratio: 0.8,
+//!     shear_damping_ratio: 0.2,
 //!     rolling_friction: 0.0,
 //!     twisting_friction: 0.0,
 //!     elastic: None,
@@ -115,7 +116,8 @@ pub use geometry::shape::Shape;
 pub use geometry::surface::{Surface, SurfaceError};
 pub use id::{BlockId, PartId};
 pub use material::{
-    Elastic, JointOverride, Material, NormalLaw, RollingLaw, clamped_restitution, damping_ratio,
+    DEFAULT_SHEAR_DAMPING_RATIO, Elastic, JointOverride, Material, NormalLaw, RollingLaw,
+    clamped_restitution, damping_ratio,
 };
 pub use motion::deformation::{
     Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,

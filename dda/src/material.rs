@@ -31,6 +31,9 @@ impl Elastic {
     }
 }
 
+/// Damping ratio of the shear dashpots where nothing else is wanted; –.
+pub const DEFAULT_SHEAR_DAMPING_RATIO: f64 = 0.2;
+
 /// A rock or wall material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -56,6 +59,9 @@ pub struct Material {
     pub joint_stiffness: Option<f64>,
     /// Shear over normal penalty stiffness, ≥ 0; –.
     pub shear_stiffness_ratio: f64,
+    /// Damping ratio `ξ_t` of the shear dashpots, ≥ 0: `2 ξ_t √(k_t m̃)`. With [`DEFAULT_SHEAR_DAMPING_RATIO`] a sliding block
+    /// that stops does not oscillate; –.
+    pub shear_damping_ratio: f64,
     /// Resistance of spheres to rolling, ≥ 0: torque over normal force and effective radius; –.
     pub rolling_friction: f64,
     /// Resistance of spheres to twisting about the normal, ≥ 0: torque over normal force and effective radius; –.
@@ -79,6 +85,7 @@ impl Material {
             Property::Restitution => Some(self.restitution),
             Property::ContactStiffness => Some(self.contact_stiffness),
             Property::ShearStiffnessRatio => Some(self.shear_stiffness_ratio),
+            Property::ShearDampingRatio => Some(self.shear_damping_ratio),
             Property::RollingFriction => Some(self.rolling_friction),
             Property::TwistingFriction => Some(self.twisting_friction),
             Property::YoungModulus => elastic(|e| e.young_modulus),

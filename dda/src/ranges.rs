@@ -26,6 +26,8 @@ pub enum Property {
     ContactStiffness,
     /// Shear over normal penalty stiffness.
     ShearStiffnessRatio,
+    /// Damping ratio of the shear dashpots.
+    ShearDampingRatio,
     /// Rolling resistance of spheres.
     RollingFriction,
     /// Twisting resistance of spheres.
@@ -70,7 +72,7 @@ pub enum Interval {
 
 impl PropertyRange {
     /// Ranges of all properties.
-    pub const ALL: [Self; 15] = {
+    pub const ALL: [Self; 16] = {
         use Interval::{Acute, Between, NotNegative, Positive, Unit, UpTo};
         use Property::*;
         [
@@ -94,6 +96,7 @@ impl PropertyRange {
                 NotNegative,
                 "",
             ),
+            Self::new(ShearDampingRatio, "shear_damping_ratio", NotNegative, ""),
             Self::new(RollingFriction, "rolling_friction", NotNegative, ""),
             Self::new(TwistingFriction, "twisting_friction", NotNegative, ""),
             Self::new(YoungModulus, "young_modulus", Positive, "Pa"),
@@ -199,6 +202,7 @@ mod tests {
                 "restitution: must be in [0, 1]",
                 "contact_stiffness: must be > 0 N/m",
                 "shear_stiffness_ratio: must be >= 0",
+                "shear_damping_ratio: must be >= 0",
                 "rolling_friction: must be >= 0",
                 "twisting_friction: must be >= 0",
                 "young_modulus: must be > 0 Pa",

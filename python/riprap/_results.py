@@ -58,6 +58,16 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return f"<riprap.Table of {self.n_rows} rows: {', '.join(self)}>"
 
 
+def _structured(path: Path) -> Table:
+    """A structured array of NumPy as a table, without units."""
+    import numpy as np
+
+    # a run under way adds rows behind those that its heading counts
+    rows = np.load(path)
+    names = rows.dtype.names or ()
+    return Table({name: rows[name] for name in names}, {name: "" for name in names})
+
+
 class BlockTables(Mapping[str, Table]):
     """Tables of blocks by name; `all` has the rows of all of them."""
 
@@ -150,8 +160,10 @@ class Run:
 
     @property
     def blocks(self) -> BlockTables:
-        """Place, motion and forces of the blocks that can move, by name."""
-        return BlockTables(self.table("blocks.csv"), self._names())
+        """Place, motion and forces of the blocks that can move, by name; of blocks.csv or blocks.npy."""
+        binary = self.folder / "blocks.npy"
+        table = _structured(binary) if binary.is_file() else self.table("blocks.csv")
+        return BlockTables(table, self._names())
 
     @property
     def forces(self) -> BlockTables:

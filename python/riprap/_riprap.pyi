@@ -63,7 +63,7 @@ class Scene:
         """Checks everything that can be checked before a run; returns the warnings."""
 
     def world(self, *, threads: Optional[int] = None, resume: Optional[_Path] = None) -> World:
-        """The world of the scene, in memory: water that is to settle first has not settled yet.
+        """The world of the scene, in memory: water or blocks that are to settle first have not settled yet.
 
         `threads` are its own, all cores without; results do not depend on them. `resume` is a checkpoint of this scene,
         written by `World.checkpoint` or by a run.
@@ -100,7 +100,7 @@ class World:
         """Duration of the scene; s."""
     @property
     def time(self) -> float:
-        """Simulated time, 0 until the water has settled; s."""
+        """Simulated time, 0 until water or blocks have settled; s."""
     @property
     def steps(self) -> int:
         """Steps since t = 0."""

@@ -164,7 +164,7 @@ impl<'s> Engine<'s> {
             }
             match run.step() {
                 Ok(Event::Step(_)) => steps += 1,
-                Ok(Event::Frame { .. } | Event::Checkpoint(_)) => {}
+                Ok(Event::Frame { .. } | Event::Checkpoint(_) | Event::Settled(_)) => {}
                 Ok(Event::FellBack { error, to, share }) => notes.push(format!(
                     "{error}; the run returns to t = {to:.6} s and continues with {share} of the step for a while"
                 )),

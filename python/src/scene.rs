@@ -114,7 +114,7 @@ impl Scene {
         problems(py, &warnings)
     }
 
-    /// The world of the scene, in memory: water that is to settle first has not settled yet.
+    /// The world of the scene, in memory: water or blocks that are to settle first have not settled yet.
     ///
     /// `threads` are its own, all cores without; results do not depend on them. `resume` is a checkpoint of this scene,
     /// written by `World.checkpoint` or by a run.

@@ -98,7 +98,7 @@ impl World {
         self.constants.duration
     }
 
-    /// Simulated time, 0 until the water has settled; s.
+    /// Simulated time, 0 until water or blocks have settled; s.
     #[getter]
     pub fn time(&self, py: Python<'_>) -> PyResult<f64> {
         self.engine.ask(py, |engine| Ok(engine.world()?.time()))

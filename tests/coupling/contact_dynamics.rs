@@ -123,13 +123,21 @@ fn what_contact_dynamics_cannot_do_is_told() {
     }
     let soft = stack("blocks: ContactDynamics()", "").replace(
         "friction_angle_deg: 30",
-        "friction_angle_deg: 30, contact_stiffness: 1e8",
+        "friction_angle_deg: 30, contact_stiffness: 1e8, shear_damping_ratio: 1",
     );
-    let scene = resolved(&soft).unwrap();
-    assert!(
-        scene.warnings[0]
-            .message
-            .contains("no effect with contact dynamics")
+    let joint = r#"joints: [(between: ("rock", "rock"), shear_damping_ratio: 0.5)], numerics:"#;
+    let scene = resolved(&soft.replacen("numerics:", joint, 1)).unwrap();
+    let without_effect: Vec<&str> = (scene.warnings.iter())
+        .filter(|warning| warning.message.contains("no effect with contact dynamics"))
+        .map(|warning| warning.path.as_str())
+        .collect();
+    assert_eq!(
+        without_effect,
+        [
+            "materials[0].contact_stiffness",
+            "materials[0].shear_damping_ratio",
+            "joints[0].shear_damping_ratio"
+        ]
     );
 }
 

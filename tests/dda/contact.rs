@@ -154,6 +154,7 @@ fn step_limit_with_damping() {
 fn critical_step_is_safe_and_not_timid() {
     let material = Material {
         shear_stiffness_ratio: 0.8,
+        shear_damping_ratio: 0.0,
         rolling_friction: 0.0,
         twisting_friction: 0.0,
         ..elastic()
@@ -162,7 +163,6 @@ fn critical_step_is_safe_and_not_timid() {
     let settings = Settings {
         gravity: down(),
         time_step_factor: 1.0,
-        shear_damping_ratio: 0.0,
         ..Settings::default()
     };
     let blocks = Blocks::new(vec![floor(), stone], vec![material], settings).unwrap();

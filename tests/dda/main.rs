@@ -30,6 +30,7 @@ mod rocking;
 mod scenes;
 
 mod setup;
+mod shear_damping;
 mod slopes;
 mod spheres;
 mod step_bound;

@@ -457,6 +457,7 @@ fn two_pressed(law: RollingLaw, spins: [f64; 2]) -> Blocks {
         residual_cohesion: None,
         tensile_strength: None,
         restitution: None,
+        shear_damping_ratio: None,
         rolling_friction: Some(0.0),
         twisting_friction: Some(0.0),
     };
@@ -549,11 +550,11 @@ fn full_stick_turns_the_tangential_speed_round() {
         restitution: 1.0,
         // Soft springs turn the sphere about the middle of the overlap, not about its surface.
         contact_stiffness: 1e10,
+        shear_damping_ratio: 0.0,
         ..glass()
     };
     let settings = Settings {
         gravity: Vec3::zeros(),
-        shear_damping_ratio: 0.0,
         ..Settings::default()
     };
     let start = ball(Vec3::new(0.0, 0.0, 0.5 + 1e-6), 0.5);

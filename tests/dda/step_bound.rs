@@ -14,6 +14,7 @@ fn pile(random: &mut Random, settings: Settings) -> Option<Blocks> {
         friction_angle: 1.5,
         contact_stiffness: 1e8,
         shear_stiffness_ratio: 0.3 + 0.7 * random.next(),
+        shear_damping_ratio: 0.0,
         rolling_friction: 0.0,
         twisting_friction: 0.0,
         ..rock()
@@ -105,7 +106,6 @@ fn assert_bound_of(step_bound: StepBound, least_mean: f64) {
         step_bound,
         gravity: Vec3::zeros(),
         time_step_factor: 1.0,
-        shear_damping_ratio: 0.0,
         ..Settings::default()
     };
     let mut random = Random::new(9);
@@ -133,12 +133,12 @@ fn assert_bound_of(step_bound: StepBound, least_mean: f64) {
 fn resting(mut bodies: Vec<BlockDefinition>, restitution: f64) -> Blocks {
     let material = Material {
         restitution,
+        shear_damping_ratio: 0.0,
         ..rock()
     };
     let settings = Settings {
         gravity: Vec3::zeros(),
         time_step_factor: 1.0,
-        shear_damping_ratio: 0.0,
         ..Settings::default()
     };
     bodies.insert(0, floor());

@@ -142,6 +142,7 @@ fn thousand_bounces() {
             friction_angle: 0.0,
             restitution: 1.0,
             contact_stiffness: 1e8,
+            shear_damping_ratio: 0.0,
             ..rock()
         };
         let dropped = if is_ball {
@@ -149,10 +150,7 @@ fn thousand_bounces() {
         } else {
             block(cuboid([-0.5, -0.5, 0.05], [0.5, 0.5, 1.05]), Motion::Free)
         };
-        let settings = Settings {
-            shear_damping_ratio: 0.0,
-            ..Settings::default()
-        };
+        let settings = Settings::default();
         let mut blocks = Blocks::new(vec![floor(), dropped], vec![material], settings).unwrap();
         let energy = |b: &Blocks| {
             let e = b.energies();
@@ -233,12 +231,10 @@ fn second_order_in_the_step() {
             restitution: 1.0,
             friction_angle: 1.5,
             contact_stiffness: 1e8,
+            shear_damping_ratio: 0.0,
             ..rock()
         };
-        let settings = Settings {
-            shear_damping_ratio: 0.0,
-            ..Settings::default()
-        };
+        let settings = Settings::default();
         let weight = 2500.0 * 0.3 * G;
         let sunk = weight / 1e8;
         let mut stone = block(

@@ -44,12 +44,12 @@ fn systems() -> Result<Vec<(&'static str, Blocks)>, Failure> {
             poisson_ratio: 0.25,
             viscosity: 0.0,
         }),
+        shear_damping_ratio: 0.0,
         ..rock()
     };
     let settings = Settings {
         gravity: down(),
         time_step_factor: 1.0,
-        shear_damping_ratio: 0.0,
         ..Settings::default()
     };
     let still = Settings {

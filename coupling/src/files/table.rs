@@ -6,11 +6,13 @@
 //! are gaps. A table of texts has them beside numbers.
 
 mod error;
+mod npy;
 mod read;
 mod text;
 mod write;
 
 pub use error::{LineFault, TableError};
+pub use npy::{NpyKind, NpyTable, read_npy};
 pub use read::{TableData, read_table, table_from};
 pub(crate) use text::{TextRow, TextTable, texts};
 pub use write::{Cell, Start, Table};

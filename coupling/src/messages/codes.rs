@@ -177,6 +177,8 @@ codes! {
     TightBend = "tight-bend",
     /// Blocks that are damped for a search for rest.
     DampedForRest = "damped-for-rest",
+    /// Blocks that still move when their time to settle is over.
+    StillMoving = "still-moving",
     /// A block that meets its mirror image.
     BlockAtSymmetryPlane = "block-at-symmetry-plane",
 

@@ -14,6 +14,7 @@ mod labels;
 pub mod ledgers;
 pub mod maps;
 pub mod masses;
+pub mod motions;
 mod point_motion;
 pub mod reactions;
 pub mod trajectories;

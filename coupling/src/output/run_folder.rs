@@ -42,6 +42,8 @@ pub const GAUGES: &str = "gauges.csv";
 pub const ENERGY: &str = "energy.csv";
 /// Motion of blocks.
 pub const BLOCKS: &str = "blocks.csv";
+/// The same as a binary table.
+pub const BLOCKS_BINARY: &str = "blocks.npy";
 /// Contacts of blocks as contact dynamics solved them.
 pub const CONTACT_SOLUTION: &str = "contact_solution.csv";
 /// Forces of exact joints.

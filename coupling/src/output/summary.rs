@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use riprap_dda::Blocks;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::files::vtk::replace_file;
 use crate::messages::Code;
@@ -44,6 +44,8 @@ pub struct Summary {
     pub wall_time: f64,
     /// Part of it spent on settling; s.
     pub settling_wall_time: f64,
+    /// Settling of the blocks before t = 0; `None` of scenes without.
+    pub settled_blocks: Option<SettledBlocks>,
     /// Common steps.
     pub steps: u64,
     /// Steps of the blocks inside them.
@@ -145,6 +147,22 @@ pub struct Summary {
     pub state_hash: String,
     /// Peak memory; bytes, 0 if unknown.
     pub peak_memory: u64,
+}
+
+/// Settling of free blocks before t = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SettledBlocks {
+    /// s.
+    pub time: f64,
+    /// Steps.
+    pub steps: u64,
+    /// Whether nothing was faster than the scene's speed for as long as it asks.
+    pub at_rest: bool,
+    /// Largest speed of any point of a block, of a sphere of its center, at its end; m/s.
+    pub fastest: f64,
+    /// Share of the volume that spheres fill, in the box between the 20th and 80th percentile of their centers along each axis; `None`
+    /// where free blocks are no spheres; –.
+    pub solid_fraction: Option<f64>,
 }
 
 /// Contacts of all steps of contact dynamics.

@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use super::blow_up::BlowUpDetector;
 use super::step_reduction::StepReduction;
+use crate::output::summary::SettledBlocks;
 use crate::world::World;
 use crate::world::time_step::{Cause, TimeStep};
 
 /// Stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Stage {
-    /// The water comes to rest before t = 0.
+    /// The water or the blocks come to rest before t = 0.
     Settling {
         /// s.
         time: f64,
@@ -39,6 +40,16 @@ pub(super) struct Counters {
     pub reduction: StepReduction,
     /// Time since which nothing moves; `None` while something does, or where nobody asks; s.
     pub at_rest_since: Option<f64>,
+    /// Settling of the blocks, once it has ended.
+    pub settled: Option<Settled>,
+}
+
+/// Blocks that have settled.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Settled {
+    pub found: SettledBlocks,
+    /// The world at t = 0, for records that compare with it; empty without records.
+    pub world: Vec<u8>,
 }
 
 impl Counters {
@@ -55,14 +66,15 @@ impl Counters {
             detector: BlowUpDetector::default(),
             reduction: StepReduction::default(),
             at_rest_since: None,
+            settled: None,
         }
     }
 
-    /// Notes whether anything is faster than a speed (m/s).
-    pub fn watch_rest(&mut self, world: &World, speed: f64) {
+    /// Notes whether anything is faster than a speed (m/s) at a time (s).
+    pub fn watch_rest(&mut self, world: &World, speed: f64, time: f64) {
         self.at_rest_since = match is_moving(world, speed) {
             true => None,
-            false => self.at_rest_since.or(Some(world.time())),
+            false => self.at_rest_since.or(Some(time)),
         };
     }
 
@@ -74,20 +86,30 @@ impl Counters {
     }
 }
 
+/// Largest speed of any point of a block, or more, zero of a removed one; m/s. Of a sphere that of its center: one that rolls moves, and one
+/// that spins about its only contact is where it is.
+pub(super) fn speed_of_block(world: &World, b: usize) -> f64 {
+    let blocks = &world.blocks;
+    if blocks.is_removed(b) {
+        return 0.0;
+    }
+    let turning = match blocks.sphere_radius(b) {
+        Some(_) => 0.0,
+        None => blocks.angular_velocity(b).norm() * blocks.radius(b),
+    };
+    blocks.velocity(b).norm() + turning
+}
+
 /// Whether any block that can move or any water is faster than a speed (m/s).
 fn is_moving(world: &World, speed: f64) -> bool {
-    let blocks = &world.blocks;
-    let moves = |b: usize| {
-        let turning = blocks.angular_velocity(b).norm() * blocks.radius(b);
-        !blocks.is_removed(b) && speed < blocks.velocity(b).norm() + turning
-    };
+    let moves = |b: usize| speed < speed_of_block(world, b);
     let water = world.water.as_ref();
     let flows = || {
         let fluid = &water?.fluid;
         let mut velocities = fluid.particles().velocity.iter();
         Some(velocities.any(|v| speed * speed < v.norm_squared()))
     };
-    (0..blocks.n_blocks()).any(moves) || flows() == Some(true)
+    (0..world.blocks.n_blocks()).any(moves) || flows() == Some(true)
 }
 
 /// Wall times and counts, undone steps included; s.

@@ -3,13 +3,14 @@
 use crate::messages::{Code, Coded};
 use crate::output::checkpoint_file::Written;
 use crate::output::observe::ObserveError;
+use crate::output::summary::SettledBlocks;
 use crate::world::StepError;
 use crate::world::time_step::Cause;
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Whether the water is still settling.
+    /// Whether water or blocks are still settling.
     pub is_settling: bool,
     /// Steps since the start of this stage.
     pub steps: u64,
@@ -49,6 +50,8 @@ pub enum Event {
     },
     /// Checkpoint on disk.
     Checkpoint(Written),
+    /// Blocks that settled before t = 0.
+    Settled(SettledBlocks),
     /// Failed step: the run resumes from the last good state with a shorter step.
     FellBack {
         /// Error of the step.

@@ -13,6 +13,7 @@ use crate::output::observe::gauges::Gauges;
 use crate::output::observe::ledgers::Ledgers;
 use crate::output::observe::maps::Maps;
 use crate::output::observe::masses::Masses;
+use crate::output::observe::motions::Motions;
 use crate::output::observe::reactions::{LargestReaction, Reactions};
 use crate::output::observe::trajectories::Trajectories;
 use crate::output::observe::{ObserveError, Observer};
@@ -27,6 +28,8 @@ pub(super) struct Observers {
     pub frames: Frames,
     pub gauges: Gauges,
     pub ledgers: Ledgers,
+    /// `None` if no block that the scene asks for can move.
+    motions: Option<Motions>,
     /// `None` unless requested by the scene.
     forces: Option<Forces>,
     trajectories: Option<Trajectories>,
@@ -54,6 +57,7 @@ impl Observers {
             frames: Frames::new(folder, scene, world)?,
             gauges: Gauges::new(folder, scene, world, start)?,
             ledgers: Ledgers::new(folder, scene, world, start)?,
+            motions: Motions::new(folder, scene, start)?,
             forces: match &scene.forces {
                 None => None,
                 Some(asked) => {
@@ -103,6 +107,7 @@ impl Observers {
             frames,
             gauges,
             ledgers,
+            motions,
             forces,
             trajectories,
             maps,
@@ -113,9 +118,10 @@ impl Observers {
             handoff,
             overview: _,
         } = self;
-        let observers: [Option<&dyn Observer>; 11] = [
+        let observers: [Option<&dyn Observer>; 12] = [
             Some(gauges),
             Some(ledgers),
+            motions.as_ref().map(|motions| motions as _),
             forces.as_ref().map(|forces| forces as _),
             trajectories.as_ref().map(|trajectories| trajectories as _),
             maps.as_ref().map(|maps| maps as _),
@@ -134,6 +140,7 @@ impl Observers {
             frames,
             gauges,
             ledgers,
+            motions,
             forces,
             trajectories,
             maps,
@@ -144,9 +151,10 @@ impl Observers {
             handoff,
             overview: _,
         } = self;
-        let observers: [Option<&mut dyn Observer>; 11] = [
+        let observers: [Option<&mut dyn Observer>; 12] = [
             Some(gauges),
             Some(ledgers),
+            motions.as_mut().map(|motions| motions as _),
             forces.as_mut().map(|forces| forces as _),
             trajectories.as_mut().map(|trajectories| trajectories as _),
             maps.as_mut().map(|maps| maps as _),
@@ -193,6 +201,9 @@ impl Observers {
         let _ = self.frames.observe_last(world);
         let _ = self.gauges.observe_last(world);
         let _ = self.ledgers.observe_last(world);
+        if let Some(motions) = &mut self.motions {
+            let _ = motions.observe_last(world);
+        }
     }
 
     /// Writes the final output.

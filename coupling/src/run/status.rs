@@ -35,12 +35,13 @@ impl Run<'_> {
         }
     }
 
-    /// Duration of settling, which is that of water only; s.
+    /// Duration of settling: as it was of blocks that lie, before that at most; s.
     fn settling(&self) -> f64 {
-        match self.world.water {
-            Some(_) => self.scene.settle,
-            None => 0.0,
-        }
+        let settled = self.counters.settled.as_ref();
+        settled.map_or_else(
+            || self.scene.longest_settling(),
+            |settled| settled.found.time,
+        )
     }
 
     pub(super) fn progress(&self, step: TimeStep) -> Progress {
@@ -63,7 +64,7 @@ impl Run<'_> {
             steps,
             time,
             end: if is_settling {
-                self.scene.settle
+                self.settling()
             } else {
                 self.scene.duration
             },

@@ -47,6 +47,7 @@ impl Run<'_> {
             simulated_time: world.time(),
             wall_time,
             settling_wall_time: costs.settling,
+            settled_blocks: counters.settled.as_ref().map(|settled| settled.found),
             steps: clock.steps,
             block_substeps: clock.block_substeps,
             fluid_particles: counters.particles_at_start,
@@ -54,7 +55,7 @@ impl Run<'_> {
                 .and_then(|w| w.walls.as_ref())
                 .map_or(0, Walls::n_points),
             free_blocks: count(&|b| blocks.is_free(b)),
-            fixed_blocks: count(&|b| world.is_fixed(b)),
+            fixed_blocks: blocks.n_fixed(),
             prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),
             particle_spacing: (self.scene.fluid.as_ref()).map_or(0.0, |f| f.walls.particle_spacing),
             mean_neighbors: ratio(extremes.pair_interactions, extremes.particle_steps),

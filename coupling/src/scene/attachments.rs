@@ -119,6 +119,7 @@ pub(super) fn joints(file: &SceneFile, names: &Names) -> Vec<JointOverride> {
             residual_cohesion: joint.residual_cohesion,
             tensile_strength: joint.tensile_strength,
             restitution: joint.restitution,
+            shear_damping_ratio: joint.shear_damping_ratio,
             rolling_friction: joint.rolling_friction,
             twisting_friction: joint.twisting_friction,
         })

@@ -1,6 +1,9 @@
 //! Contact dynamics of blocks: numbers where the file has none, and refusals.
 
-use riprap_dda::{BlockDefinition, ContactDynamics, ContactSolver, Integrator, Motion, Vec3};
+use riprap_dda::{
+    BlockDefinition, ContactDynamics, ContactSolver, DEFAULT_SHEAR_DAMPING_RATIO, Integrator,
+    Motion, Vec3,
+};
 
 use super::error::Problem;
 use super::file::{
@@ -141,10 +144,19 @@ fn without_effect(file: &SceneFile) -> Vec<Problem> {
         for (field, is_given) in [
             ("contact_stiffness", material.contact_stiffness.is_some()),
             ("joint_stiffness", material.joint_stiffness.is_some()),
+            (
+                "shear_damping_ratio",
+                material.shear_damping_ratio != DEFAULT_SHEAR_DAMPING_RATIO,
+            ),
         ] {
             if is_given {
                 warn(format!("materials[{index}].{field}"));
             }
+        }
+    }
+    for (index, joint) in file.joints.iter().enumerate() {
+        if joint.shear_damping_ratio.is_some() {
+            warn(format!("joints[{index}].shear_damping_ratio"));
         }
     }
     if file.numerics.block_step_bound.is_some() {

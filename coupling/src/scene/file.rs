@@ -53,7 +53,8 @@ pub use numerics::{
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{
-    BlockField, BoxFile, CameraFile, FramesFile, OutputFile, WaterField, WaterFramesFile,
+    BlockField, BlockTableFile, BoxFile, CameraFile, FramesFile, OutputFile, TableFormatFile,
+    WaterField, WaterFramesFile,
 };
 pub use records::{BarrierFile, CounterFile, ReactionFile};
 pub use shapes::{PartFile, ShapeFile, SplitFile};
@@ -358,6 +359,10 @@ pub struct TimeFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "s", "minimum" = 0))]
     pub settle: f64,
+    /// Settling of the free blocks under gravity before t = 0, as of grains behind a gate; they start as drawn when left out. Excluded from
+    /// the records and the energy ledger. Of scenes without water.
+    #[serde(default)]
+    pub settle_blocks: Option<SettlingFile>,
     /// Wall time from the start of the program, before the end of which a run stops with a checkpoint to resume from; s. The
     /// option `--wall-limit` of `riprap run` takes precedence. No limit when left out.
     #[serde(default)]
@@ -368,12 +373,32 @@ pub struct TimeFile {
     pub stop_at_rest: Option<RestFile>,
 }
 
+/// Settling of free blocks: from where they are drawn they move until nothing is faster than a speed. Prescribed blocks are held at their
+/// places of t = 0, ramps of joints at their first values. Clock, records and accounts start once they lie.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SettlingFile {
+    /// Largest speed at rest, of any point of a block, of a sphere of its center; m/s.
+    #[schemars(extend("x-unit" = "m/s", "exclusiveMinimum" = 0))]
+    pub speed: f64,
+    /// Time for which it must hold; s.
+    #[serde(default = "tenth")]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
+    pub time: f64,
+    /// Longest duration, after which a warning tells how fast the fastest block still is; s.
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
+    pub at_most: f64,
+    /// Fixed blocks that hold the others meanwhile, and are removed at t = 0; `gate_*` stands for all whose names begin with `gate_`.
+    #[serde(default)]
+    pub gates: Vec<String>,
+}
+
 /// Rest that ends a run: no block that can move and no water is faster than a speed. A block that is only about to move, as its joint
 /// weakens later, is at rest, too.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RestFile {
-    /// Largest speed at rest, of any point of a block; m/s.
+    /// Largest speed at rest, of any point of a block, of a sphere of its center; m/s.
     #[schemars(extend("x-unit" = "m/s", "exclusiveMinimum" = 0))]
     pub speed: f64,
     /// Time for which it must hold; s.
@@ -388,4 +413,8 @@ fn standard_gravity() -> Triple {
 
 fn one() -> f64 {
     1.0
+}
+
+fn tenth() -> f64 {
+    0.1
 }

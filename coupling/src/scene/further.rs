@@ -70,6 +70,7 @@ fn keep_records(before: &SceneFile, now: &mut SceneFile) {
     output.frame_interval = other.frame_interval;
     output.gauge_interval = other.gauge_interval;
     output.ledger_interval = other.ledger_interval;
+    output.block_table.interval = other.block_table.interval;
     output.water.clone_from(&other.water);
     output.blocks.clone_from(&other.blocks);
     output.contact_frames.clone_from(&other.contact_frames);

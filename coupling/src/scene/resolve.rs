@@ -16,6 +16,7 @@ mod meshes;
 mod places;
 mod recording;
 mod release;
+mod settling;
 mod sides;
 mod solids;
 mod speed;
@@ -75,8 +76,10 @@ impl Scene {
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());
         problems.extend(expanded.warnings.iter().cloned());
         problems.extend(recording::unknown_blocks(file));
+        problems.extend(recording::unusable_rows(file));
         problems.extend(sides::problems(file));
         problems.extend(barriers::unknown_blocks(file));
+        problems.extend(settling::problems(file, source.blocks.len()));
         let names = Names::of(file);
         let solids = match Solids::of(file, &names, access, terrain) {
             Ok(solids) => solids,
@@ -155,6 +158,7 @@ impl Scene {
             domain,
             duration: file.time.duration,
             settle: file.time.settle,
+            settle_blocks: settling::settling(file),
             wall_limit: file.time.wall_limit,
             stop_at_rest: file.time.stop_at_rest.map(|rest| [rest.speed, rest.time]),
             expected_speed,
@@ -176,6 +180,7 @@ impl Scene {
             },
             gauges: recording::gauges(file, &names),
             forces: recording::forces(file, &output),
+            block_table: recording::block_table(file, &output),
             output,
             trajectories: recording::trajectories(file),
             maps: recording::maps(file, fluid.as_ref()),

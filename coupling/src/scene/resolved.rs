@@ -23,8 +23,23 @@ use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
 use crate::world::{OutOfDomain, Weakening};
-use recording::{Barrier, Counter, Gauge, Handoff, Maps, Output, Reaction, TrackedMass, Tracking};
+use recording::{
+    Barrier, BlockTable, Counter, Gauge, Handoff, Maps, Output, Reaction, TrackedMass, Tracking,
+};
 use register::Register;
+
+/// Settling of free blocks before t = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settling {
+    /// Largest speed at rest; m/s.
+    pub speed: f64,
+    /// Time for which it must hold; s.
+    pub time: f64,
+    /// Longest duration; s.
+    pub at_most: f64,
+    /// Fixed blocks that are removed at t = 0, ascending.
+    pub gates: Vec<usize>,
+}
 
 /// A scene that can run; constant during the run.
 #[derive(Clone, Debug)]
@@ -39,6 +54,8 @@ pub struct Scene {
     pub duration: f64,
     /// Duration before t = 0 in which the water comes to rest; s.
     pub settle: f64,
+    /// Settling of the free blocks before t = 0.
+    pub settle_blocks: Option<Settling>,
     /// Wall time that a run may take; s.
     pub wall_limit: Option<f64>,
     /// Speed below which nothing moves (m/s), and the time for which it must hold (s), to end the run; `None`: it takes its duration.
@@ -83,6 +100,8 @@ pub struct Scene {
     pub fluid: Option<FluidScene>,
     /// Files and intervals.
     pub output: Output,
+    /// Table of the motion of blocks.
+    pub block_table: BlockTable,
     /// Recording instruments.
     pub gauges: Vec<Gauge>,
     /// Blocks for which forces are recorded by source; `None`: not recorded.
@@ -110,6 +129,15 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Longest time before t = 0 in which water or blocks come to rest; s.
+    pub fn longest_settling(&self) -> f64 {
+        match (&self.settle_blocks, &self.fluid) {
+            (Some(settling), _) => settling.at_most,
+            (None, Some(_)) => self.settle,
+            (None, None) => 0.0,
+        }
+    }
+
     /// Frees the initial particles, once a world holds them.
     pub fn release_start(&mut self) {
         if let Some(fluid) = &mut self.fluid {

@@ -5,13 +5,14 @@ use riprap_sph::scheme::{Viscosity, ViscousStep};
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, GrainExchangeFile,
-    HandoffFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile,
-    SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile, ViscousStepFile,
+    AbsorberFile, BlockIntegratorFile, BlockTableFile, ContactSolverFile, FluidFile, ForcesFile,
+    GrainExchangeFile, HandoffFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile,
+    SceneFile, SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
+    ViscousStepFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
-use super::resolved::recording::{Maps, Output};
+use super::resolved::recording::{BlockTable, Maps, Output};
 use super::resolved::{FluidScene, Scene};
 use crate::walls::WallMethod;
 
@@ -90,7 +91,7 @@ impl Scene {
                 level: self.handoff.as_ref().map(|chosen| chosen.level),
                 ..handoff
             }),
-            output: written_output(&source.output, &self.output, fluid),
+            output: written_output(&source.output, (&self.output, &self.block_table), fluid),
             ..source.clone()
         }
     }
@@ -219,8 +220,16 @@ fn written_maps(file: MapsFile, chosen: Option<Maps>) -> MapsFile {
     }
 }
 
-fn written_output(file: &OutputFile, output: &Output, fluid: Option<&FluidScene>) -> OutputFile {
+fn written_output(
+    file: &OutputFile,
+    (output, table): (&Output, &BlockTable),
+    fluid: Option<&FluidScene>,
+) -> OutputFile {
     OutputFile {
+        block_table: BlockTableFile {
+            interval: Some(table.interval),
+            ..file.block_table.clone()
+        },
         frame_interval: Some(output.frame_interval),
         gauge_interval: Some(output.gauge_interval),
         ledger_interval: Some(output.ledger_interval),

@@ -27,7 +27,8 @@ impl Ground {
     /// The ground of a system of blocks.
     pub fn of(blocks: &Blocks) -> Self {
         let mut triangles = Vec::new();
-        for block in (0..blocks.n_blocks()).filter(|&b| blocks.is_fixed(b)) {
+        for block in (0..blocks.n_blocks()).filter(|&b| blocks.is_fixed(b) && !blocks.is_removed(b))
+        {
             let (vertices, faces) = blocks.world_polygons(block);
             for face in faces {
                 let corners: Vec<Vec3> = face.iter().map(|&v| vertices[v as usize]).collect();

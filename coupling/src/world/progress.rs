@@ -45,8 +45,10 @@ pub(crate) enum Held {
     /// No block, during a run.
     #[default]
     NoBlock,
-    /// All: settling.
+    /// All: the water settles.
     AllBlocks,
+    /// Those on prescribed paths: the others settle.
+    Paths,
 }
 
 /// Running extremes and counts of a run.

@@ -33,9 +33,6 @@ pub struct Settings {
     pub time_step_factor: f64,
     /// Bound of the stable step. Default: compliances.
     pub step_bound: StepBound,
-    /// Damping ratio of the shear dashpots, ≥ 0. Default 0.2: a sliding block that stops does not
-    /// oscillate.
-    pub shear_damping_ratio: f64,
     /// Deepest overlap allowed, × size of the smaller part; never more than half the mean thickness of
     /// both, or of what lies on a surface. Default 0.2.
     pub overlap_limit: f64,
@@ -58,7 +55,6 @@ impl Default for Settings {
             integrator: Integrator::default(),
             time_step_factor: 0.8,
             step_bound: StepBound::default(),
-            shear_damping_ratio: 0.2,
             overlap_limit: 0.2,
             normal_law: NormalLaw::default(),
             rolling_law: RollingLaw::default(),
@@ -158,7 +154,6 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
         integrator,
         time_step_factor,
         step_bound: _,
-        shear_damping_ratio,
         overlap_limit,
         contact_detection: _,
         normal_law: _,
@@ -178,9 +173,6 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
             time_step_factor,
             "must be above 0 and at most 1",
         );
-    }
-    if !(shear_damping_ratio >= 0.0 && shear_damping_ratio.is_finite()) {
-        return refuse("shear_damping_ratio", shear_damping_ratio, "must be >= 0");
     }
     if !(overlap_limit > 0.0 && overlap_limit <= 1.0) {
         return refuse(

@@ -249,7 +249,6 @@ impl Blocks {
             joints: &self.state.joints,
             material_of_part: &self.constants.material_of_part,
             n_materials: self.constants.n_materials,
-            shear_damping_ratio: self.constants.settings.shear_damping_ratio,
             rolling_law: self.constants.settings.rolling_law,
             radius: &self.constants.radius,
             travel: &self.state.travel,

@@ -1,5 +1,6 @@
 //! Queries of one block: its motion, mass, stress and forces. They change nothing.
 
+use crate::geometry::parts::Part;
 use crate::motion::deformation::{axial, voigt};
 use crate::motion::holds::Hold;
 use crate::{Blocks, Isometry, Load, Motion, Settings, Vec3, Voigt};
@@ -218,6 +219,14 @@ impl Blocks {
     /// Farthest point of the block from its centroid; m.
     pub fn radius(&self, b: usize) -> f64 {
         self.constants.radius[b]
+    }
+
+    /// Radius of a block that is a sphere; m.
+    pub fn sphere_radius(&self, b: usize) -> Option<f64> {
+        match &self.constants.reference[self.parts_of(b)] {
+            [Part::Sphere { radius, .. }] => Some(*radius),
+            _ => None,
+        }
     }
 
     /// Velocity of the block's material at a world point; m/s.

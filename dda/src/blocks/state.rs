@@ -41,6 +41,8 @@ pub(crate) struct State {
     pub accounts: Accounts,
     /// Motions added to prescribed ones; one per block that was ever steered.
     pub steered: Vec<Steered>,
+    /// True while prescribed blocks are held at their places of t = 0.
+    pub are_paths_held: bool,
     /// Energies, impulses and counts since t = 0.
     pub totals: Totals,
     /// Contact constants of every pair of materials, row by row; changed by `weaken`.

@@ -17,8 +17,6 @@ pub(crate) struct ContactContext<'a> {
     pub joints: &'a [Joint],
     pub material_of_part: &'a [u32],
     pub n_materials: usize,
-    /// `ξ` of the shear dashpot; –.
-    pub shear_damping_ratio: f64,
     pub rolling_law: RollingLaw,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],

@@ -26,6 +26,8 @@ pub struct JointOverride {
     pub tensile_strength: Option<f64>,
     /// Normal restitution, 0 to 1; –.
     pub restitution: Option<f64>,
+    /// Damping ratio of the shear dashpots, ≥ 0; –.
+    pub shear_damping_ratio: Option<f64>,
     /// Resistance of spheres to rolling, ≥ 0: torque over normal force and effective radius; –.
     pub rolling_friction: Option<f64>,
     /// Resistance of spheres to twisting about the normal, ≥ 0: torque over normal force and effective radius; –.
@@ -38,7 +40,7 @@ impl JointOverride {
     }
 }
 
-/// Strength of a joint.
+/// Strength and losses of a joint.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strength {
     pub friction_angle: f64,
@@ -47,6 +49,7 @@ pub(super) struct Strength {
     pub residual_cohesion: f64,
     pub tensile_strength: f64,
     pub restitution: f64,
+    pub shear_damping_ratio: f64,
     pub rolling_friction: f64,
     pub twisting_friction: f64,
 }
@@ -61,6 +64,7 @@ impl Strength {
             residual_cohesion: first.residual_cohesion.min(second.residual_cohesion),
             tensile_strength: first.tensile_strength.min(second.tensile_strength),
             restitution: first.restitution.min(second.restitution),
+            shear_damping_ratio: 0.5 * (first.shear_damping_ratio + second.shear_damping_ratio),
             rolling_friction: 0.5 * (first.rolling_friction + second.rolling_friction),
             twisting_friction: 0.5 * (first.twisting_friction + second.twisting_friction),
         }
@@ -78,6 +82,7 @@ impl Strength {
                 .unwrap_or_else(|| self.residual_cohesion.min(cohesion)),
             tensile_strength: by.tensile_strength.unwrap_or(self.tensile_strength),
             restitution: by.restitution.unwrap_or(self.restitution),
+            shear_damping_ratio: by.shear_damping_ratio.unwrap_or(self.shear_damping_ratio),
             rolling_friction: by.rolling_friction.unwrap_or(self.rolling_friction),
             twisting_friction: by.twisting_friction.unwrap_or(self.twisting_friction),
         }
@@ -92,6 +97,7 @@ impl Strength {
             Property::ResidualCohesion => Some(self.residual_cohesion),
             Property::TensileStrength => Some(self.tensile_strength),
             Property::Restitution => Some(self.restitution),
+            Property::ShearDampingRatio => Some(self.shear_damping_ratio),
             Property::RollingFriction => Some(self.rolling_friction),
             Property::TwistingFriction => Some(self.twisting_friction),
             Property::Density
@@ -137,6 +143,8 @@ pub(crate) struct Joint {
     pub restitution: f64,
     /// `ξ_n`, from the restitution; –.
     pub damping_ratio: f64,
+    /// `ξ_t`; –.
+    pub shear_damping_ratio: f64,
     /// Joint properties if one of the two is a sphere.
     pub spheres: SphereJoint,
 }
@@ -201,7 +209,7 @@ impl Joint {
     }
 
     /// Between two materials the smaller friction, cohesion, tensile strength and restitution apply, and the mean
-    /// rolling and twisting friction, unless overridden; the springs act as halves in series, so that equal
+    /// rolling and twisting friction and shear damping, unless overridden; the springs act as halves in series, so that equal
     /// materials keep their value:
     ///
     /// ```text
@@ -231,6 +239,7 @@ impl Joint {
             tensile_strength: strength.tensile_strength,
             restitution: strength.restitution,
             damping_ratio: damping_ratio(strength.restitution),
+            shear_damping_ratio: strength.shear_damping_ratio,
             spheres: SphereJoint::between(first, second, strength, law),
         }
     }

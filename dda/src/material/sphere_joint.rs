@@ -46,6 +46,8 @@ pub(crate) struct SphereJoint {
     pub normal: SphereSpring,
     /// `k_t` over the tangent normal stiffness; –.
     pub shear_ratio: f64,
+    /// `ξ_t`; –.
+    pub shear_damping_ratio: f64,
     /// `μ_s`, `μ_d`; –.
     pub static_friction: f64,
     pub dynamic_friction: f64,
@@ -99,6 +101,7 @@ impl SphereJoint {
         Self {
             normal,
             shear_ratio: shear / stiffness,
+            shear_damping_ratio: strength.shear_damping_ratio,
             static_friction: strength.friction_angle.tan(),
             dynamic_friction: strength.residual_friction_angle.tan(),
             rolling_friction: strength.rolling_friction,

@@ -10,7 +10,7 @@ use crate::motion::rigid::Rigid6;
 use crate::motion::update::Update;
 use crate::step::damping::local_damping;
 use crate::step::phase::Phase;
-use crate::{Blocks, Integrator, Load, Motion, StaticDamping, StepError, Vec3, chunks};
+use crate::{Blocks, Integrator, Load, StaticDamping, StepError, Vec3, chunks};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 /// Impulses of half a kick; N s.
@@ -68,15 +68,13 @@ impl Blocks {
     /// Velocities at the end of the step; those of paths are their own.
     pub(crate) fn set_velocities(&mut self, to: f64) {
         for b in 0..self.n_blocks() {
-            match (self.derived.update[b], &self.constants.motion[b]) {
-                (Update::Fixed, Motion::Prescribed(path)) => {
-                    self.state.velocity[b] = path.velocity(to) + self.steering(b).1;
-                    let spin = path.spin(to);
-                    self.set_spin(b, &spin);
-                    self.set_kinematics(b);
-                }
-                (Update::Constrained, _) => self.set_kinematics(b),
-                _ => {}
+            if let Some(path) = self.followed_path(b) {
+                let (velocity, spin) = (path.velocity(to), path.spin(to));
+                self.state.velocity[b] = velocity + self.steering(b).1;
+                self.set_spin(b, &spin);
+                self.set_kinematics(b);
+            } else if self.derived.update[b] == Update::Constrained {
+                self.set_kinematics(b);
             }
         }
         self.set_plain_velocities();
@@ -212,15 +210,14 @@ impl Blocks {
         }
         self.drift_steered(dt);
         for b in 0..self.n_blocks() {
-            if let (Update::Fixed, Motion::Prescribed(path)) =
-                (self.derived.update[b], &self.constants.motion[b])
-            {
+            if let Some(path) = self.followed_path(b) {
                 let (before, after) = (path.displacement(from), path.displacement(to));
+                let turns = (path.turn(from), path.turn(to));
                 let (added, velocity) = self.steering(b);
                 self.state.centroid[b] = self.constants.initial_centroid[b] + after + added;
                 // Mean over the sub-step, as the half-step velocity of the free blocks is.
                 self.state.velocity[b] = (after - before) / dt + velocity;
-                let (before, after) = (path.turn(from), path.turn(to));
+                let (before, after) = turns;
                 self.state.attitude[b] = after * self.constants.principal[b];
                 self.set_spin(b, &((after * before.inverse()).scaled_axis() / dt));
             }

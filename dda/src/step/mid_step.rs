@@ -49,7 +49,7 @@ use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::kept::{ContactSolution, SolvedSteps};
 use crate::error::OpenJoint;
 use crate::step::phase::Phase;
-use crate::{Blocks, Motion, StepError};
+use crate::{Blocks, StepError};
 use straining::Half;
 
 /// Unsolved steps running at which a run ends.
@@ -119,9 +119,7 @@ impl Blocks {
     /// Velocities of prescribed blocks from this middle of a step to the next one.
     fn set_mean_velocities(&mut self, middle: f64, dt: f64) {
         for b in 0..self.n_blocks() {
-            if let (Update::Fixed, Motion::Prescribed(path)) =
-                (self.derived.update[b], &self.constants.motion[b])
-            {
+            if let Some(path) = self.followed_path(b) {
                 let next = middle + dt;
                 let way = path.displacement(next) - path.displacement(middle);
                 let turn = path.turn(next) * path.turn(middle).inverse();

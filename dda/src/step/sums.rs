@@ -359,6 +359,7 @@ mod tests {
             contact_stiffness: 1e7,
             joint_stiffness: None,
             shear_stiffness_ratio: 0.5,
+            shear_damping_ratio: 0.2,
             rolling_friction: 0.0,
             twisting_friction: 0.0,
             elastic: None,

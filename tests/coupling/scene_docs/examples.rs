@@ -48,6 +48,8 @@ examples! {
     DimensionsFile: "Two";
     TimeFile: "(duration: 8, settle: 1)";
     RestFile: "(speed: 1e-3, time: 0.5)";
+    SettlingFile: r#"// grains behind a gate
+(speed: 1e-3, at_most: 5, gates: ["gate"])"#;
     MaterialFile: r#"(name: "granite", density: 2650, friction_angle_deg: 35, cohesion: 2e5, restitution: 0.4,
  elastic: (young_modulus: 5e10, poisson_ratio: 0.25))"#;
     ElasticFile: "(young_modulus: 5e10, poisson_ratio: 0.25)";
@@ -135,6 +137,9 @@ Plane(name: "weir_1", point: (4, 0, 0), normal: (1, 0, 0), blocks: "pebble_")"#;
     OutflowFile: r#"(name: "sea", min: (9, 0, 0), max: (10, 2, 1), towards: XMax, depth: [(0, 0.2)])"#;
     OutputFile: "(frame_interval: 0.1, gauge_interval: 0.01, face_pressures: true)";
     WaterFramesFile: "// a quarter of the water near the wall\n(interval: 0.5, stride: 4, box: (min: (8, 0, 0), max: (10, 2, 3)))";
+    BlockTableFile: r#"// a heap of thousands of grains
+(blocks: ["grain_*"], interval: 0.5, format: Npy)"#;
+    TableFormatFile: "Npy";
     FramesFile: "(interval: 0.02)";
     BoxFile: "(min: (8, 0, 0), max: (10, 2, 3))";
     WaterField: "Pressure";

@@ -223,7 +223,8 @@ fn of_blocks(world: &mut World, scene: &Scene) -> Result<Predicted, RunError> {
     // a step of more than half of the probe has nothing behind it
     let half = half.filter(|(time, ..)| *time < world.time());
     let (from, taken_by_half, wall_at_half) = half.unwrap_or((0.0, 0, Duration::ZERO));
-    let rest = (scene.duration - world.time()).max(0.0) / (world.time() - from);
+    let whole = scene.duration + scene.longest_settling();
+    let rest = (whole - world.time()).max(0.0) / (world.time() - from);
     Ok(Predicted {
         timed_steps: taken,
         steps: rest

@@ -464,9 +464,24 @@ fn barriers(scene: &Scene) -> Vec<Line> {
 }
 
 fn time(scene: &Scene) -> Line {
-    let settling = match (&scene.fluid, scene.settle > 0.0) {
-        (Some(_), true) => format!(", after {} s of settling with blocks held", scene.settle),
-        _ => String::new(),
+    let settling = match &scene.settle_blocks {
+        Some(asked) => {
+            let gates: Vec<String> = (asked.gates.iter())
+                .map(|&gate| format!("`{}`", scene.block_names[gate]))
+                .collect();
+            let gates = match gates.is_empty() {
+                true => String::new(),
+                false => format!(", behind {}, removed at t = 0", gates.join(", ")),
+            };
+            format!(
+                ", after settling of the blocks until nothing is faster than {} m/s for {} s, {} s at most{gates}",
+                asked.speed, asked.time, asked.at_most
+            )
+        }
+        None if scene.longest_settling() > 0.0 => {
+            format!(", after {} s of settling with blocks held", scene.settle)
+        }
+        None => String::new(),
     };
     ("time", format!("{} s{settling}", scene.duration))
 }

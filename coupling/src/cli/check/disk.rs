@@ -1,4 +1,4 @@
-//! Disk space of a run: frames of each kind and records of gauges.
+//! Disk space of a run: frames of each kind, records of gauges and of blocks.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use riprap_dda::{Motion, Shape};
 use serde::Serialize;
 
 use crate::scene::resolved::Scene;
-use crate::scene::resolved::recording::Sampling;
+use crate::scene::resolved::recording::{Sampling, TableFormat};
 
 /// Bytes per particle in a frame: measured, compressed, with the first four arrays.
 const PER_PARTICLE: f64 = 30.0;
@@ -18,6 +18,10 @@ const PER_CORNER: f64 = 8.0;
 const CORNERS_OF_SPHERE: f64 = 1000.0;
 /// Bytes per row of the gauges.
 const PER_ROW: f64 = 500.0;
+
+/// Bytes per block and row of the table of their motion: measured of text, exact of binary numbers.
+const PER_TEXT_ROW: f64 = 450.0;
+const PER_BINARY_ROW: f64 = 125.0;
 
 /// Frames of a kind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -59,7 +63,13 @@ impl Disk {
         let has_water = scene.fluid.is_some();
         let water = has_water.then(|| of_size(&output.water, particles(scene) * PER_PARTICLE));
         let blocks = has_movers.then(|| of_size(&output.blocks, corners(scene) * PER_CORNER));
-        let tables_bytes = scene.duration / output.gauge_interval * PER_ROW;
+        let table = &scene.block_table;
+        let per_block = match table.format {
+            TableFormat::Csv => PER_TEXT_ROW,
+            TableFormat::Npy => PER_BINARY_ROW,
+        };
+        let of_blocks = scene.duration / table.interval * table.blocks.len() as f64 * per_block;
+        let tables_bytes = scene.duration / output.gauge_interval * PER_ROW + of_blocks;
         let sizes = [water, blocks].into_iter().flatten();
         let sizes: f64 = sizes.filter_map(|kind| kind.size_bytes).sum();
         Self {

@@ -71,10 +71,7 @@ impl Model {
     pub fn of(scene: &Scene) -> Self {
         Self {
             duration_s: scene.duration,
-            settle_s: match scene.fluid {
-                Some(_) => scene.settle,
-                None => 0.0,
-            },
+            settle_s: scene.longest_settling(),
             dimensions: match scene.domain.dimensions {
                 Dimensions::Two { .. } => 2,
                 Dimensions::Three => 3,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::files::table::{TableData, table_from};
+use crate::files::table::{TableData, read_npy, table_from};
 use crate::messages::{Code, Message};
 use crate::output::run_folder;
 
@@ -127,7 +127,9 @@ fn size(v: [f64; 3]) -> f64 {
 /// A table, if there is one; of a run under way up to the last line that is complete.
 fn table_of(path: &Path) -> Result<Option<TableData>, Message> {
     if !path.exists() {
-        return Ok(None);
+        let binary = path.with_extension("npy");
+        let table = binary.exists().then(|| read_npy(&binary));
+        return table.transpose().map_err(Message::of);
     }
     let text = fs::read_to_string(path).map_err(|error| {
         let what = format!("cannot read {}: {error}", path.display());

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 
+use super::progress::unsettled;
 use crate::build_info::COMMIT;
 use crate::cli::problems::problems;
 use crate::cli::{Exit, show};
@@ -32,7 +33,7 @@ pub(super) struct JsonEvents {
 impl JsonEvents {
     /// Events after the start of a run.
     pub fn begin(scene: &Scene, folder: &Path, from: Option<&Checkpoint>) -> Self {
-        let settles = scene.fluid.is_some() && 0.0 < scene.settle;
+        let settling = scene.longest_settling();
         let particles = |scene: &Scene| {
             let fluid = scene.fluid.as_ref();
             fluid.map_or(0, |fluid| fluid.lattice.positions.len())
@@ -52,19 +53,19 @@ impl JsonEvents {
                 "threads": rayon::current_num_threads(),
                 "particles": particles(scene),
                 "blocks": scene.blocks.len(),
-                "settle_s": if settles { scene.settle } else { 0.0 },
+                "settle_s": settling,
                 "duration_s": scene.duration,
                 "resumed_from": resumed,
             }),
         );
         let is_settling = match from {
-            None => settles,
+            None => 0.0 < settling,
             Some(checkpoint) => checkpoint.header.is_settling,
         };
         if is_settling {
             emit(
                 "settle",
-                json!({ "state": "started", "settle_s": scene.settle }),
+                json!({ "state": "started", "settle_s": settling }),
             );
         }
         Self {
@@ -81,6 +82,17 @@ impl JsonEvents {
                 self.settle(false);
                 emit("frame", json!({ "time_s": time, "files": files }));
             }
+            Event::Settled(found) => {
+                self.is_settling = false;
+                emit(
+                    "settle",
+                    json!({
+                        "state": "ended", "time_s": found.time, "steps": found.steps, "at_rest": found.at_rest,
+                        "fastest_m_per_s": found.fastest, "solid_fraction": found.solid_fraction,
+                    }),
+                );
+                unsettled(found).iter().for_each(warn);
+            }
             Event::Checkpoint(written) => emit("checkpoint", json!(written)),
             Event::FellBack { error, to, share } => emit(
                 "fallback",
@@ -92,7 +104,7 @@ impl JsonEvents {
         }
     }
 
-    /// Notes whether the water settles now.
+    /// Notes whether water or blocks settle now.
     fn settle(&mut self, is_settling: bool) {
         if self.is_settling && !is_settling {
             self.is_settling = false;

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use super::json::JsonEvents;
 use super::line::line;
 use crate::cli::say;
-use crate::cli::told::{coded, keep};
-use crate::messages::Code;
+use crate::cli::told::{coded, keep, warn};
+use crate::messages::{Code, Message};
+use crate::output::summary::SettledBlocks;
 use crate::run::{Event, Progress};
 
 /// Width of a terminal that does not tell; columns.
@@ -56,6 +57,13 @@ impl ProgressLine {
         match event {
             Event::Step(progress) => self.show(progress),
             Event::Frame { .. } | Event::Checkpoint(_) => {}
+            Event::Settled(found) => {
+                self.end();
+                unsettled(found).into_iter().for_each(warn);
+                if !self.is_quiet {
+                    say(&settled(found));
+                }
+            }
             Event::FellBack { error, to, share } => {
                 self.end();
                 keep(Code::StepRepeated);
@@ -88,6 +96,31 @@ impl ProgressLine {
             say("");
         }
     }
+}
+
+/// Words on blocks that have settled.
+fn settled(found: &SettledBlocks) -> String {
+    let solid = found.solid_fraction.map_or_else(String::new, |share| {
+        format!(
+            "; grains fill {:.1} % of the space among them",
+            100.0 * share
+        )
+    });
+    format!(
+        "settled in {:.4} s, {} steps, to a largest speed of {:.2e} m/s{solid}",
+        found.time, found.steps, found.fastest
+    )
+}
+
+/// Warning of blocks that were still moving when their time to settle was over.
+pub(super) fn unsettled(found: &SettledBlocks) -> Option<Message> {
+    (!found.at_rest).then(|| {
+        let words = format!(
+            "after {:.4} s of settling the fastest block still has {:.3e} m/s; let time.settle_blocks.at_most be longer, or its speed larger",
+            found.time, found.fastest
+        );
+        Message::new(Code::StillMoving, words)
+    })
 }
 
 /// Width of the terminal now; columns.

@@ -54,6 +54,12 @@ pub enum TableError {
         /// Length written; bytes.
         expected: u64,
     },
+    /// A binary table that cannot be read.
+    #[error("{} is no table in the binary format of NumPy that riprap writes", path.display())]
+    Binary {
+        /// The file.
+        path: PathBuf,
+    },
     /// An invalid line.
     #[error("{}, line {line}: {fault}", path.display())]
     Line {
@@ -134,7 +140,7 @@ impl Coded for TableError {
                 operation: "read", ..
             } => Code::FileNotReadable,
             Self::Io { cause, .. } => of_writing(cause),
-            Self::Count { .. } | Self::Line { .. } => Code::UnusableRunFolder,
+            Self::Count { .. } | Self::Line { .. } | Self::Binary { .. } => Code::UnusableRunFolder,
             Self::Name { .. } => Code::UnusableName,
             Self::Foreign { .. } | Self::Short { .. } => Code::CheckpointMismatch,
             Self::NoColumn { .. } => Code::NothingToCompare,

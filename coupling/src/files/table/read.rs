@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Column, LineFault, TEXTS, TableError};
+use super::{Column, LineFault, TEXTS, TableError, read_npy};
 use crate::files::rows::{Comments, Row, RowFault, Rows};
 
 /// A table read from a file.
@@ -88,11 +88,16 @@ pub(super) fn present_name(name: &str) -> &str {
     renamed.map_or(name, |(_, new)| new)
 }
 
-/// Reads a whole table.
+/// Reads a whole table; where there is only a binary one of its name, that.
 ///
 /// # Errors
-/// [`TableError::Io`] if the file cannot be read, [`TableError::Line`] for the first invalid line.
+/// [`TableError::Io`] if the file cannot be read, [`TableError::Line`] for the first invalid line, [`TableError::Binary`] for an
+/// unknown binary table.
 pub fn read_table(path: &Path) -> Result<TableData, TableError> {
+    let binary = path.with_extension("npy");
+    if !path.exists() && binary.exists() {
+        return read_npy(&binary);
+    }
     let text = fs::read_to_string(path).map_err(TableError::io("read", path))?;
     table_from(path, &text)
 }

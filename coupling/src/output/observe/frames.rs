@@ -107,7 +107,7 @@ impl Frames {
         let (blocks, output) = (&world.blocks, &scene.output);
         let labels = Labels::of(scene);
         let fixed: Vec<usize> = (0..blocks.n_blocks())
-            .filter(|&b| world.is_fixed(b))
+            .filter(|&b| world.is_fixed(b) && !blocks.is_removed(b))
             .collect();
         if !fixed.is_empty() {
             let data = block_polygons(world, &fixed, &[], &labels);
@@ -115,7 +115,7 @@ impl Frames {
             let path = folder.join(run_folder::FIXED_BLOCKS);
             vtk::write(&path, &PolyData { time, ..data })?;
         }
-        let has_movers = fixed.len() < blocks.n_blocks();
+        let has_movers = (0..blocks.n_blocks()).any(|b| !world.is_fixed(b));
         let has_water = world.water.is_some();
         let asked = KINDS.map(|kind| match kind {
             Kind::Water => (has_water, output.water),

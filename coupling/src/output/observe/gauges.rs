@@ -317,7 +317,10 @@ fn instrument(gauge: &Gauge, scene: &Scene, blocks: &Blocks) -> Instrument {
         Quantity::Velocity { position } => Instrument::Velocity(*position),
         Quantity::BlockForce { block } => Instrument::BlockForce(BlockForce::new(*block)),
         Quantity::PointMotion { block, point } => {
-            Instrument::PointMotion(PointMotion::new(*block, *point, blocks))
+            Instrument::PointMotion(match &scene.settle_blocks {
+                None => PointMotion::new(*block, *point, blocks),
+                Some(_) => PointMotion::of_drawn(*block, *point, blocks),
+            })
         }
         Quantity::RunUp(line) => Instrument::RunUp(RunUp {
             line: Line::along(*line),

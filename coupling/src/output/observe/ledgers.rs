@@ -1,10 +1,10 @@
-//! `energy.csv`, `blocks.csv`, `contact_solution.csv` and `joint_forces.csv`.
+//! `energy.csv`, `contact_solution.csv` and `joint_forces.csv`.
 
 use std::path::Path;
 
-use riprap_dda::{Integrator, Vec3};
+use riprap_dda::Integrator;
 
-use super::{ObserveError, Observer, Schedule, name_of};
+use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Cell, Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
@@ -12,55 +12,17 @@ use crate::scene::resolve::Scene;
 use crate::world::World;
 use crate::world::ledger::Energy;
 
-/// Writes the energy ledger and the motion of blocks.
+/// Writes the energy ledger, and how contacts and exact joints of blocks were solved.
 #[derive(Debug)]
 pub struct Ledgers {
     schedule: Schedule,
     energy: Table,
-    /// `None` if no block can move.
-    blocks: Option<Table>,
     /// `None` without contact dynamics.
     solution: Option<Table>,
     /// `None` without exact joints.
     joints: Option<Table>,
-    /// Name of each block.
-    names: Vec<String>,
     row: Vec<f64>,
 }
-
-/// Columns of `blocks.csv`: one row per block that can move and time.
-const BLOCK_COLUMNS: [(&str, &str); 29] = [
-    ("time", "s"),
-    ("block", "-"),
-    ("x", "m"),
-    ("y", "m"),
-    ("z", "m"),
-    ("vx", "m/s"),
-    ("vy", "m/s"),
-    ("vz", "m/s"),
-    ("wx", "rad/s"),
-    ("wy", "rad/s"),
-    ("wz", "rad/s"),
-    ("fluid_fx", "N"),
-    ("fluid_fy", "N"),
-    ("fluid_fz", "N"),
-    ("contact_fx", "N"),
-    ("contact_fy", "N"),
-    ("contact_fz", "N"),
-    ("gravity_fx", "N"),
-    ("gravity_fy", "N"),
-    ("gravity_fz", "N"),
-    // attitude: the turn since the start
-    ("qx", "-"),
-    ("qy", "-"),
-    ("qz", "-"),
-    ("qw", "-"),
-    ("roll", "rad"),
-    ("pitch", "rad"),
-    ("yaw", "rad"),
-    ("asleep", "-"),
-    ("name", ""),
-];
 
 /// Columns of `contact_solution.csv`: the last step of the blocks at each time.
 const SOLUTION_COLUMNS: [(&str, &str); 8] = [
@@ -100,12 +62,6 @@ impl Ledgers {
         let mut columns = vec![Column::new("time", "s")];
         columns.extend(Energy::TERMS.iter().map(|term| Column::new(*term, "J")));
         let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.is_fixed(b));
-        let blocks = has_movers
-            .then(|| {
-                let columns = BLOCK_COLUMNS.map(|(name, unit)| Column::new(name, unit));
-                Table::open(&folder.join(run_folder::BLOCKS), &columns, start)
-            })
-            .transpose()?;
         let is_solved = matches!(
             world.blocks.settings().integrator,
             Integrator::ContactDynamics(_)
@@ -126,10 +82,8 @@ impl Ledgers {
         Ok(Self {
             schedule: Schedule::every(interval),
             energy: Table::open(&folder.join(run_folder::ENERGY), &columns, start)?,
-            blocks,
             solution,
             joints,
-            names: scene.block_names.clone(),
             row: Vec::new(),
         })
     }
@@ -146,36 +100,6 @@ impl Observer for Ledgers {
         row.push(world.time());
         row.extend(world.energy().terms());
         self.energy.row(row)?;
-        if let Some(table) = &mut self.blocks {
-            let blocks = &world.blocks;
-            for b in (0..blocks.n_blocks()).filter(|&b| !world.is_fixed(b) && !blocks.is_removed(b))
-            {
-                let fluid = world
-                    .water
-                    .as_ref()
-                    .map_or(Vec3::zeros(), |water| water.interface.loads()[b].force);
-                let mut cells = vec![Cell::Number(world.time()), Cell::Whole(b)];
-                row.clear();
-                for v in [
-                    blocks.centroid(b),
-                    blocks.velocity(b),
-                    blocks.angular_velocity(b),
-                    fluid,
-                    blocks.contact_force(b).force,
-                    world.gravity * blocks.mass(b),
-                ] {
-                    row.extend(v.iter());
-                }
-                let attitude = blocks.orientation(b);
-                row.extend(attitude.coords.iter());
-                let (roll, pitch, yaw) = attitude.euler_angles();
-                row.extend([roll, pitch, yaw]);
-                cells.extend(row.iter().copied().map(Cell::Number));
-                cells.push(Cell::Whole(usize::from(blocks.is_asleep(b))));
-                cells.push(name_of(&self.names, b));
-                table.cells(&cells)?;
-            }
-        }
         if let Some(table) = &mut self.solution {
             let blocks = &world.blocks;
             let (last, all) = (blocks.contact_solution(), blocks.solved_steps());
@@ -204,13 +128,13 @@ impl Observer for Ledgers {
 
     fn save(&self, out: Vec<u8>) -> Saved {
         let length = |table: &Option<Table>| table.as_ref().map(Table::length);
-        let lengths = [&self.blocks, &self.solution, &self.joints].map(length);
+        let lengths = [&self.solution, &self.joints].map(length);
         postcard::to_extend(&(self.schedule, self.energy.length(), lengths), out)
     }
 
     fn sync(&mut self) -> Result<(), ObserveError> {
         self.energy.sync()?;
-        let others = [&self.blocks, &self.solution, &self.joints];
+        let others = [&self.solution, &self.joints];
         others.into_iter().flatten().try_for_each(Table::sync)?;
         Ok(())
     }
@@ -220,8 +144,8 @@ impl Observer for Ledgers {
         ((schedule, energy, lengths), rest) = postcard::take_from_bytes(bytes)?;
         self.schedule.resume(schedule);
         self.energy.cut(energy)?;
-        let lengths: [Option<_>; 3] = lengths;
-        let tables = [&mut self.blocks, &mut self.solution, &mut self.joints];
+        let lengths: [Option<_>; 2] = lengths;
+        let tables = [&mut self.solution, &mut self.joints];
         for (table, length) in tables.into_iter().zip(lengths) {
             if let (Some(table), Some(length)) = (table, length) {
                 table.cut(length)?;

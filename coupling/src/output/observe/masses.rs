@@ -199,6 +199,7 @@ mod tests {
             contact_stiffness: 1e8,
             joint_stiffness: None,
             shear_stiffness_ratio: 0.8,
+            shear_damping_ratio: 0.2,
             rolling_friction: 0.0,
             twisting_friction: 0.0,
             elastic: None,

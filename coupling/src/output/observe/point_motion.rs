@@ -22,6 +22,18 @@ impl PointMotion {
         }
     }
 
+    /// The point of a block at a position as drawn, of one that may have moved since.
+    pub(super) fn of_drawn(block: usize, drawn: Vec3, blocks: &Blocks) -> Self {
+        let centroid = blocks.centroid(block);
+        let from = blocks.pose(block).inverse() * nalgebra::Point3::from(centroid);
+        let offset = drawn - from.coords;
+        Self {
+            block,
+            start: centroid + blocks.gradient(block) * offset,
+            offset,
+        }
+    }
+
     /// Position, displacement since the start and velocity; NaN once the block is gone; m, m, m/s.
     ///
     /// ```text

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Triple;
 
-/// A load, support or rock bolt. Points are positions at t = 0 and move with their block.
+/// A load, support or rock bolt. Points are positions at t = 0, before any settling, and move with their block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum AttachmentFile {
@@ -108,4 +108,20 @@ pub enum AttachmentFile {
         #[schemars(extend("x-unit" = "N", "exclusiveMinimum" = 0))]
         strength: Option<f64>,
     },
+}
+
+impl AttachmentFile {
+    /// Names of its blocks, one or two.
+    pub fn blocks(&self) -> Vec<&str> {
+        match self {
+            Self::PointLoad { block, .. }
+            | Self::BodyLoad { block, .. }
+            | Self::Pressure { block, .. }
+            | Self::FixedPoint { block, .. }
+            | Self::HeldPoint { block, .. } => vec![block],
+            Self::RockBolt { from, to, .. }
+            | Self::BallJoint { from, to, .. }
+            | Self::Rod { from, to, .. } => vec![from, to],
+        }
+    }
 }

@@ -51,6 +51,11 @@ pub struct MaterialFile {
     #[serde(default = "default_shear_stiffness_ratio")]
     #[schemars(extend("x-unit" = "-"))]
     pub shear_stiffness_ratio: f64,
+    /// Damping ratio `ξ_t` of the shear dashpots of its contacts, `2 ξ_t √(k_t m̃)` with the effective mass `m̃`. 1 takes 2.8 times
+    /// as many steps of spheres as 0.2 does. Between two materials the mean applies. No effect with contact dynamics.
+    #[serde(default = "default_shear_damping_ratio")]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0))]
+    pub shear_damping_ratio: f64,
     /// Rolling resistance of spheres: torque over normal force and effective radius. Between two materials the mean
     /// applies.
     #[serde(default)]
@@ -114,6 +119,10 @@ pub struct JointFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "minimum" = 0, "maximum" = 1))]
     pub restitution: Option<f64>,
+    /// Damping ratio of the shear dashpots. No effect with contact dynamics.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0))]
+    pub shear_damping_ratio: Option<f64>,
     /// Rolling resistance of spheres: torque over normal force and effective radius.
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "minimum" = 0))]
@@ -136,4 +145,8 @@ pub struct JointFile {
 
 fn default_shear_stiffness_ratio() -> f64 {
     0.8
+}
+
+fn default_shear_damping_ratio() -> f64 {
+    riprap_dda::DEFAULT_SHEAR_DAMPING_RATIO
 }

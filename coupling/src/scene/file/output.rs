@@ -17,7 +17,7 @@ pub struct OutputFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub gauge_interval: Option<f64>,
-    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv`, `reactions.csv` and those of barriers; s. `gauge_interval` when left out.
+    /// Interval of rows in `energy.csv`, `blocks.csv` unless it has its own, `masses.csv`, `counters.csv`, `reactions.csv` and those of barriers; s. `gauge_interval` when left out.
     #[serde(default)]
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub ledger_interval: Option<f64>,
@@ -34,6 +34,9 @@ pub struct OutputFile {
     /// their sides on each.
     #[serde(default)]
     pub face_pressures: bool,
+    /// Table of the motion of blocks, `blocks.csv`: which blocks, how often, and in which format.
+    #[serde(default)]
+    pub block_table: BlockTableFile,
     /// Water files that differ from all frames: interval, thinning, box.
     #[serde(default)]
     pub water: WaterFramesFile,
@@ -58,12 +61,40 @@ impl Default for OutputFile {
             block_fields: all_block_fields(),
             contacts: false,
             face_pressures: false,
+            block_table: BlockTableFile::default(),
             water: WaterFramesFile::default(),
             blocks: FramesFile::default(),
             contact_frames: FramesFile::default(),
             face_frames: FramesFile::default(),
         }
     }
+}
+
+/// Table of place, motion and forces of blocks that can move, a row per block and time. A hundred rows of 7640 blocks take 340 MB as text and
+/// 96 MB as binary numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BlockTableFile {
+    /// Names of the blocks; `pile_*` stands for all whose names begin with `pile_`. All that can move when empty.
+    #[serde(default)]
+    pub blocks: Vec<String>,
+    /// Interval of its rows; s. `ledger_interval` when left out.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
+    pub interval: Option<f64>,
+    /// Format of the file.
+    #[serde(default)]
+    pub format: TableFormatFile,
+}
+
+/// Format of a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum TableFormatFile {
+    /// `blocks.csv`: text with all digits, names included.
+    #[default]
+    Csv,
+    /// `blocks.npy`: a structured array that `numpy.load` reads. Times and places have all their digits, everything else seven.
+    Npy,
 }
 
 /// Frames of the water.

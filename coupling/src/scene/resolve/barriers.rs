@@ -53,7 +53,8 @@ pub(super) fn unknown_blocks(file: &SceneFile) -> Vec<Problem> {
     problems
 }
 
-fn fits(block: &BlockFile, name: &str) -> bool {
+/// Whether a name, or its beginning before a `*`, is that of a block.
+pub(super) fn fits(block: &BlockFile, name: &str) -> bool {
     match name.strip_suffix('*') {
         Some(prefix) => block.name.starts_with(prefix),
         None => block.name == name,

@@ -45,6 +45,7 @@ pub(super) fn materials(
         contact_stiffness: m.contact_stiffness.unwrap_or(stiffness),
         joint_stiffness: m.joint_stiffness,
         shear_stiffness_ratio: m.shear_stiffness_ratio,
+        shear_damping_ratio: m.shear_damping_ratio,
         rolling_friction: m.rolling_friction,
         twisting_friction: m.twisting_friction,
         elastic: m.elastic.map(|e| Elastic {

@@ -2,18 +2,19 @@
 
 use riprap_sph::Dimensions;
 
+use super::barriers::fits;
 use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{
     BlockFile, BoxFile, FramesFile, GaugeFile, HandoffLineFile, HandoffTimesFile, MapsFile,
-    MotionFile, OutputFile, SceneFile, WaterField, vec3,
+    MotionFile, OutputFile, SceneFile, TableFormatFile, WaterField, vec3,
 };
 use crate::scene::names::Names;
 use crate::scene::parse::suggestion;
 use crate::scene::resolved::FluidScene;
 use crate::scene::resolved::recording::{
-    Gauge, Handoff, HandoffTimes, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity,
-    Sampling, TrackedMass, Tracking,
+    BlockTable, Gauge, Handoff, HandoffTimes, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge,
+    Quantity, Sampling, TableFormat, TrackedMass, Tracking,
 };
 
 /// Number of frames in a run.
@@ -69,6 +70,47 @@ pub(super) fn output(file: &OutputFile, duration: f64, fluid: Option<&FluidScene
         contacts: file.contacts,
         face_pressures: file.face_pressures,
     }
+}
+
+/// Table of the motion of blocks, with these by number.
+pub(super) fn block_table(file: &SceneFile, output: &Output) -> BlockTable {
+    let asked = &file.output.block_table;
+    let is_asked = |block: &BlockFile| {
+        asked.blocks.is_empty() || asked.blocks.iter().any(|name| fits(block, name))
+    };
+    let blocks = file.blocks.iter().enumerate();
+    let moving = blocks.filter(|(_, block)| block.motion != MotionFile::Fixed && is_asked(block));
+    BlockTable {
+        blocks: moving.map(|(number, _)| number).collect(),
+        interval: asked.interval.unwrap_or(output.ledger_interval),
+        format: match asked.format {
+            TableFormatFile::Csv => TableFormat::Csv,
+            TableFormatFile::Npy => TableFormat::Npy,
+        },
+    }
+}
+
+/// Names in the table of the motion of blocks that no block has, or only fixed ones.
+pub(super) fn unusable_rows(file: &SceneFile) -> Vec<Problem> {
+    let all = || file.blocks.iter().map(|block| block.name.as_str());
+    let names = file.output.block_table.blocks.iter().enumerate();
+    let problem = |(k, name): (usize, &String)| {
+        let members = || file.blocks.iter().filter(|block| fits(block, name));
+        let path = format!("output.block_table.blocks[{k}]");
+        if members().next().is_none() {
+            let names: Vec<&str> = all().collect();
+            let near = suggestion(name.trim_end_matches('*'), &names);
+            let what = format!("table of blocks: no block is called `{name}`{near}");
+            return Some(Problem::error(Code::UnknownName, path, what));
+        }
+        members().all(|block| block.motion == MotionFile::Fixed).then(|| {
+            let what = format!(
+                "table of blocks: `{name}` is fixed; it has rows of blocks that can move, fixed ones are in bodies.csv"
+            );
+            Problem::error(Code::IncompatibleOptions, path, what)
+        })
+    };
+    names.filter_map(problem).collect()
 }
 
 /// Instruments, with their blocks by number.

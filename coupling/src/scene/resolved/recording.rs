@@ -51,7 +51,7 @@ pub struct Output {
     pub face_frames: Sampling,
     /// Interval of rows in `gauges.csv`; s.
     pub gauge_interval: f64,
-    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv`, `reactions.csv` and those of barriers; s.
+    /// Interval of rows in `energy.csv`, `blocks.csv` unless it has its own, `masses.csv`, `counters.csv`, `reactions.csv` and those of barriers; s.
     pub ledger_interval: f64,
     /// Arrays in the water files.
     pub water_fields: Vec<WaterField>,
@@ -61,6 +61,26 @@ pub struct Output {
     pub contacts: bool,
     /// Output of the water pressure on the faces of blocks.
     pub face_pressures: bool,
+}
+
+/// Table of the motion of blocks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockTable {
+    /// Blocks that can move, ascending.
+    pub blocks: Vec<usize>,
+    /// s.
+    pub interval: f64,
+    /// Format of its file.
+    pub format: TableFormat,
+}
+
+/// Format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableFormat {
+    /// Text.
+    Csv,
+    /// A structured array of NumPy.
+    Npy,
 }
 
 /// A recording instrument.

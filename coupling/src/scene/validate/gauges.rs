@@ -200,7 +200,7 @@ impl Checks {
     }
 
     fn needs_free_blocks(&mut self, what: &str, scene: &SceneFile) {
-        let are_none = scene.rock_masses.is_empty() && scene.slides.is_empty();
+        let are_none = makers(scene).next().is_none();
         if are_none && !scene.blocks.iter().any(is_free) {
             self.refuse(
                 Code::NeedsFreeBlock,

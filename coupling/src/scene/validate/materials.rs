@@ -122,6 +122,7 @@ fn in_file(property: Property) -> (&'static str, &'static str) {
         Property::Restitution => ("restitution", "restitution"),
         Property::ContactStiffness => ("contact_stiffness", "contact stiffness"),
         Property::ShearStiffnessRatio => ("shear_stiffness_ratio", "shear stiffness ratio"),
+        Property::ShearDampingRatio => ("shear_damping_ratio", "shear damping ratio"),
         Property::RollingFriction => ("rolling_friction", "rolling friction"),
         Property::TwistingFriction => ("twisting_friction", "twisting friction"),
         Property::YoungModulus => ("elastic.young_modulus", "Young's modulus"),
@@ -144,6 +145,7 @@ impl MaterialFile {
             Property::Restitution => Some(self.restitution),
             Property::ContactStiffness => self.contact_stiffness,
             Property::ShearStiffnessRatio => Some(self.shear_stiffness_ratio),
+            Property::ShearDampingRatio => Some(self.shear_damping_ratio),
             Property::RollingFriction => Some(self.rolling_friction),
             Property::TwistingFriction => Some(self.twisting_friction),
             Property::YoungModulus => self.elastic.map(|e| e.young_modulus),
@@ -163,6 +165,7 @@ impl JointFile {
             Property::ResidualCohesion => self.residual_cohesion,
             Property::TensileStrength => self.tensile_strength,
             Property::Restitution => self.restitution,
+            Property::ShearDampingRatio => self.shear_damping_ratio,
             Property::RollingFriction => self.rolling_friction,
             Property::TwistingFriction => self.twisting_friction,
             Property::Density

@@ -5,7 +5,8 @@ use riprap_sph::scheme::LARGEST_BULK_VISCOSITY;
 use super::checks::Checks;
 use crate::messages::Code;
 use crate::scene::file::{
-    BlockIntegratorFile, FramesFile, NumericsFile, OutputFile, SceneFile, StaticDampingFile,
+    BlockIntegratorFile, FramesFile, NumericsFile, OutputFile, SceneFile, SettlingFile,
+    StaticDampingFile,
 };
 use riprap_dda::contact_dynamics::UNSOLVED;
 
@@ -51,8 +52,16 @@ impl Checks {
                 "time at rest",
                 time.stop_at_rest.map(|rest| rest.time),
             ),
+            (
+                "output.block_table.interval",
+                "interval of the table of blocks",
+                output.block_table.interval,
+            ),
         ] {
             self.positive(path, what, value);
+        }
+        if let Some(settling) = &time.settle_blocks {
+            self.settling(settling);
         }
         self.rare_outputs(scene);
         self.frames(output);
@@ -100,6 +109,27 @@ impl Checks {
         }
     }
 
+    fn settling(&mut self, settling: &SettlingFile) {
+        let path = |field: &str| format!("time.settle_blocks.{field}");
+        for (field, what, value) in [
+            ("speed", "speed at rest", settling.speed),
+            ("time", "time at rest", settling.time),
+            ("at_most", "longest settling", settling.at_most),
+        ] {
+            self.positive(path(field), what, Some(value));
+        }
+        if settling.at_most < settling.time {
+            self.refuse(
+                Code::ValuesOutOfOrder,
+                path("at_most"),
+                format!(
+                    "longest settling must be at least the time at rest of {} s, found {} s",
+                    settling.time, settling.at_most
+                ),
+            );
+        }
+    }
+
     /// Intervals of output that are longer than the run.
     fn rare_outputs(&mut self, scene: &SceneFile) {
         let (duration, output) = (scene.time.duration, &scene.output);
@@ -107,6 +137,7 @@ impl Checks {
             ("frame_interval", output.frame_interval),
             ("gauge_interval", output.gauge_interval),
             ("ledger_interval", output.ledger_interval),
+            ("block_table.interval", output.block_table.interval),
             ("water.interval", output.water.interval),
             ("blocks.interval", output.blocks.interval),
             ("contact_frames.interval", output.contact_frames.interval),

@@ -15,8 +15,6 @@ pub(super) struct PairLaw<'a> {
     /// i and j.
     pub bodies: (&'a Kinematics, &'a Kinematics),
     pub joint: &'a Joint,
-    /// `ξ` of the shear dashpot; –.
-    pub shear_damping_ratio: f64,
     /// s.
     pub dt: f64,
 }
@@ -32,7 +30,6 @@ impl<'a> PairLaw<'a> {
         Self {
             bodies: (body(blocks.0), body(blocks.1)),
             joint: context.joint_of(parts),
-            shear_damping_ratio: context.shear_damping_ratio,
             dt,
         }
     }
@@ -52,7 +49,7 @@ impl<'a> PairLaw<'a> {
             normal: patch.normal,
             weight: patch.flat_weight,
             stiffness: self.joint.shear_stiffness,
-            damping_ratio: self.shear_damping_ratio,
+            damping_ratio: self.joint.shear_damping_ratio,
             friction: if has_slipped {
                 self.joint.residual_friction
             } else {
@@ -71,7 +68,7 @@ impl<'a> PairLaw<'a> {
                 self.joint.normal_stiffness * weight,
                 self.joint.shear_stiffness * weight,
             ),
-            damping_ratio: (self.joint.damping_ratio, self.shear_damping_ratio),
+            damping_ratio: (self.joint.damping_ratio, self.joint.shear_damping_ratio),
             mobility,
         }
     }

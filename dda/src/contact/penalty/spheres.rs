@@ -95,8 +95,6 @@ struct Law<'a> {
     /// m.
     effective_radius: f64,
     rolling_law: RollingLaw,
-    /// –.
-    shear_damping_ratio: f64,
     /// s.
     dt: f64,
     /// True in the step in which the bodies meet.
@@ -163,7 +161,6 @@ impl SphereRow<'_> {
             joint,
             effective_radius: scales.effective_radius,
             rolling_law: context.rolling_law,
-            shear_damping_ratio: context.shear_damping_ratio,
             dt,
             is_meeting: !was_touching,
         };
@@ -226,7 +223,7 @@ impl SpherePair {
         let stiffness = joint.tangent_bound(0.0, law.effective_radius, approach, mobility);
         let springs = Springs {
             stiffness: (stiffness, joint.shear_ratio * stiffness),
-            damping_ratio: (joint.damping_ratio_bound(), law.shear_damping_ratio),
+            damping_ratio: (joint.damping_ratio_bound(), joint.shear_damping_ratio),
             mobility,
         };
         let lever_arm = |block: u32| &context.lever_arm[block as usize];

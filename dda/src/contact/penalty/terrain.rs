@@ -283,7 +283,6 @@ impl SurfacePair {
         let surface_law = SurfaceLaw {
             joint: &law.joint.spheres,
             rolling_law: context.rolling_law,
-            shear_damping_ratio: law.shear_damping_ratio,
             dt: law.dt,
         };
         self.is_touching = false;

@@ -31,7 +31,6 @@ pub(crate) struct SphereOnSurface {
 pub(crate) struct SurfaceLaw<'a> {
     pub joint: &'a SphereJoint,
     pub rolling_law: RollingLaw,
-    pub shear_damping_ratio: f64,
     /// s.
     pub dt: f64,
 }
@@ -99,7 +98,6 @@ impl SphereOnSurface {
         let SurfaceLaw {
             joint,
             rolling_law,
-            shear_damping_ratio,
             dt,
         } = *law;
         if self.is_touching {
@@ -117,7 +115,6 @@ impl SphereOnSurface {
             joint,
             effective_radius: radius,
             rolling_law,
-            shear_damping_ratio,
             dt,
             is_meeting: !self.is_touching,
         };

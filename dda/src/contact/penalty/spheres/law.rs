@@ -141,7 +141,7 @@ impl SphereContact {
         if !(mobility == self.mobility && joint.is_linear()) {
             self.mobility = mobility;
             self.viscosity = joint.viscosity(found.depth, law.effective_radius, 1.0 / mobility);
-            self.dashpot = 2.0 * law.shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+            self.dashpot = 2.0 * joint.shear_damping_ratio * (shear_stiffness / mobility).sqrt();
         }
         let share = if joint.is_linear() {
             let meeting = law.is_meeting.then_some((found.depth, -opening));
