@@ -17,9 +17,9 @@ RADIUS = 0.05  # mean of the grains; m
 WIDTH, HEIGHT, LENGTH = 2.1, 1.35, 20.0  # of the channel; m
 FACE, THICKNESS = 8.0, 0.1  # of the barrier; m
 FRONT = 4.725  # of the mass at the start; m
-SPACING = 0.105  # of its lattice: the largest diameter; m
-ACROSS = 18  # grains
-FRICTION, ROLLING, ROLLING_AT_WALLS = 0.577, 0.0678, 0.1356
+ACROSS = 18  # grains in the width of the mass, 1.90 m
+SPACING = 1.9 / ACROSS  # of its lattice; m
+FRICTION, SLIDING, ROLLING, ROLLING_AT_WALLS = 0.577, 0.9 * 0.577, 0.0678, 0.1356
 GRAVITY = 9.81
 # piles, width of a pile, opening over the mean radius
 SECTIONAL = {
@@ -60,8 +60,10 @@ def scene(piles, words, args):
     """Text of the scene."""
     slope = math.radians(args.slope)
     lean = HEIGHT * math.tan(slope) if args.upright else 0.0
-    along = math.floor(4.6 / SPACING + 0.5) * SPACING
-    left = (WIDTH - ACROSS * SPACING) / 2
+    degrees = lambda friction: math.degrees(math.atan(friction))
+    spacing, jitter = args.spacing, args.jitter
+    along = math.floor(4.6 / spacing + 0.5) * spacing
+    left = (WIDTH - ACROSS * spacing) / 2
     blocks = "\n".join(
         f'        (name: "pile_{number}", material: "wall", motion: Fixed, shape: {pile_shape(start, end, lean)}),'
         for number, (start, end) in enumerate(piles, 1)
@@ -91,10 +93,10 @@ def scene(piles, words, args):
     domain: (min: (-0.2, -0.2, -0.2), max: ({LENGTH:g}, {WIDTH + 0.2:g}, {HEIGHT + 0.2:g})),
     gravity: ({GRAVITY * math.sin(slope):.9g}, 0, {-GRAVITY * math.cos(slope):.9g}),
     materials: [
-        (name: "grain", density: 2500.0, friction_angle_deg: {math.degrees(math.atan(FRICTION)):.6g}, restitution: 0.2, contact_stiffness: 1e6,
-         shear_stiffness_ratio: 0.285714, rolling_friction: {ROLLING}),
-        (name: "wall", density: 2500.0, friction_angle_deg: {math.degrees(math.atan(FRICTION)):.6g}, restitution: 0.2, contact_stiffness: 1e6,
-         shear_stiffness_ratio: 0.285714),
+        (name: "grain", density: 2500.0, friction_angle_deg: {degrees(FRICTION):.6g}, residual_friction_angle_deg: {degrees(SLIDING):.6g},
+         restitution: 0.2, contact_stiffness: 1e6, shear_stiffness_ratio: 0.285714, rolling_friction: {ROLLING}),
+        (name: "wall", density: 2500.0, friction_angle_deg: {degrees(FRICTION):.6g}, residual_friction_angle_deg: {degrees(SLIDING):.6g},
+         restitution: 0.2, contact_stiffness: 1e6, shear_stiffness_ratio: 0.285714),
     ],
     joints: [
         (between: ("grain", "wall"), rolling_friction: {ROLLING_AT_WALLS}),
@@ -105,8 +107,8 @@ def scene(piles, words, args):
     ],
     grains: [
         (name: "grain", material: "grain",
-         region: Box(min: ({FRONT - along:.6g}, {left:.6g}, 0), max: ({FRONT:g}, {WIDTH - left:.6g}, {10 * SPACING:.6g})),
-         diameter: (0.095, 0.105), spacing: {SPACING}, jitter: 0, count: {args.grains}, seed: {args.seed}),
+         region: Box(min: ({FRONT - along:.6g}, {left:.6g}, 0), max: ({FRONT:g}, {WIDTH - left:.6g}, {10 * spacing:.6g})),
+         diameter: (0.095, 0.105), spacing: {spacing:.6g}, jitter: {jitter:g}, count: {args.grains}, seed: {args.seed}),
     ],
     barriers: [(name: "barrier", blocks: ["pile_*"], flow: (1, 0, 0), upstream: 1)],
     // all that carries the grains
@@ -131,6 +133,8 @@ def main():
     parser.add_argument("--upright", action="store_true", help="upright instead of at right angles to the bed")
     parser.add_argument("--slope", type=float, default=35.0, help="of the bed; degrees")
     parser.add_argument("--grains", type=int, default=7640)
+    parser.add_argument("--spacing", type=float, default=SPACING, help="of the lattice of the grains at the start; m")
+    parser.add_argument("--jitter", type=float, default=0.0, help="largest offset of a grain from its site, over the largest diameter")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--duration", type=float, default=10.0, help="s")
     args = parser.parse_args()
