@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Dry debris against slit and sectional barriers: largest forces against the published ones.
 
-    python3 benches/python/barrier.py --riprap PATH --runs DIR [--rows OB3,VB7,F] [--until 2.2] [--scene="--seed 2 --jitter 0.002"]
+    python3 benches/python/barrier.py --riprap PATH --runs DIR [--rows OB3,VB7,F] [--until 1.9] [--scene="--seed 2 --jitter 0.002"]
         [--set FIELD=VALUE ...]
     python3 benches/python/barrier.py --riprap PATH --runs DIR --slopes 20,30,40 --openings closed,4,7
 
@@ -114,8 +114,9 @@ def published(args):
         on_time += abs(time - at) <= 0.25
         local += 0.5 <= on_cell / on_sphere <= 2.0
         print(
-            f"| {name} | {force:g} | {largest:.1f} | {largest / force:.2f} | {mean:.1f} | {mean / force:.2f} | {at:g} | {time:.2f} | {arrival:.2f} | {on_sphere:.2f} | {on_cell:.2f} | "
-            f"{100 * summary['barriers'][0]['passed_share']:.0f} % | {unexplained(summary):+.0e} | {summary['steps']} | {summary['wall_time']:.0f} |",
+            f"| {name} | {force:g} | {largest:.1f} | {largest / force:.2f} | {mean:.1f} | {mean / force:.2f} | {at:g} | {time:.2f} | "
+            f"{arrival:.2f} | {on_sphere:.2f} | {on_cell:.2f} | {100 * summary['barriers'][0]['passed_share']:.0f} % | "
+            f"{unexplained(summary):+.0e} | {summary['steps']} | {summary['wall_time']:.0f} |",
             flush=True,
         )
     n = len(steps)
@@ -130,7 +131,10 @@ def published(args):
 
 def slopes(args):
     """Slits over slopes."""
-    table(["slope", "opening over radius", "largest step [kN]", "over the first", "at [s]", "largest 10 ms [kN]", "over the first", "arrival [s]", "unexplained"])
+    table([
+        "slope", "opening over radius", "largest step [kN]", "over the first", "at [s]", "largest 10 ms [kN]", "over the first", "arrival [s]",
+        "unexplained",
+    ])
     for slope in args.slopes.split(","):
         first = ()
         for opening in args.openings.split(","):
@@ -139,7 +143,8 @@ def slopes(args):
             mean, _ = largest_mean(folder)
             first = first or (largest, mean)
             print(
-                f"| {slope} | {opening} | {largest:.1f} | {largest / first[0]:.2f} | {time:.2f} | {mean:.1f} | {mean / first[1]:.2f} | {arrival:.2f} | {unexplained(summary):+.0e} |",
+                f"| {slope} | {opening} | {largest:.1f} | {largest / first[0]:.2f} | {time:.2f} | {mean:.1f} | "
+                f"{mean / first[1]:.2f} | {arrival:.2f} | {unexplained(summary):+.0e} |",
                 flush=True,
             )
 
@@ -152,7 +157,7 @@ def main():
     parser.add_argument("--rows", default=",".join(ROWS))
     parser.add_argument("--slopes", help="slopes of single slits in place of the published rows; degrees")
     parser.add_argument("--openings", default="closed,4,7", help="of these slits, over the mean radius")
-    parser.add_argument("--until", default=2.2, type=float, help="s")
+    parser.add_argument("--until", default=1.9, type=float, help="s")
     parser.add_argument("--threads", default=1, type=int)
     parser.add_argument("--scene", default="", help="further arguments of cases/barrier.py")
     parser.add_argument("--set", nargs="*", default=[])
