@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Heaps of spheres by discharging: angles over sliding friction and rolling resistance against a published fit.
 
-    python3 benches/python/heaps.py --riprap PATH --runs DIR [--pairs 0.0678:0.577,0.1:0.4] [--plate 20] [--drop 0] [--until 8]
-        [--set FIELD=VALUE ...]
+    python3 benches/python/heaps.py --riprap PATH --runs DIR [--pairs 0.0678:0.577,0.1:0.4] [--plate 20] [--drop 0] [--smooth]
+        [--until 8] [--set FIELD=VALUE ...]
 
 Standard library only. Spheres of 10 cm settle in a box, two outlets of 5 d at its sides open, and those that stay on the plate
 between them form the heap, as in cases/heap.ron. Published (doctoral thesis on debris flow against open rigid barriers by coupled DEM-LBM,
@@ -34,17 +34,18 @@ def scene(rolling, sliding, args, gates):
     half, wide = 0.5 * args.plate * D, (0.5 * args.plate + OUTLET) * D
     deep, high, angle = DEPTH * D, (2 * FILL + args.drop) * D, math.degrees(math.atan(sliding))
     n = round(FILL * (args.plate + 2 * OUTLET) * DEPTH * 0.6 / (math.pi / 6))
-    box = lambda name, low, high, motion="Fixed": (
-        f'        (name: "{name}", material: "wall", motion: {motion}, shape: Box(min: {low}, max: {high})),'
+    box = lambda name, low, high, motion="Fixed", material="wall": (
+        f'        (name: "{name}", material: "{material}", motion: {motion}, shape: Box(min: {low}, max: {high})),'
     )
+    sides = "smooth" if args.smooth else "wall"
     blocks = "\n".join([
         box("plate", (-half, -0.3, -0.2), (half, deep + 0.3, 0)),
         box("left_gate", (-wide - 0.2, -0.2, -0.2), (-half, deep + 0.2, 0), f'Table(file: "{gates}")'),
         box("right_gate", (half, -0.2, -0.2), (wide + 0.2, deep + 0.2, 0), f'Table(file: "{gates}")'),
         box("left", (-wide - 0.2, -0.2, -1.2), (-wide, deep + 0.2, high)),
         box("right", (wide, -0.2, -1.2), (wide + 0.2, deep + 0.2, high)),
-        box("front", (-wide - 0.2, -0.2, -1.2), (wide + 0.2, 0, high)),
-        box("back", (-wide - 0.2, deep, -1.2), (wide + 0.2, deep + 0.2, high)),
+        box("front", (-wide - 0.2, -0.2, -1.2), (wide + 0.2, 0, high), material=sides),
+        box("back", (-wide - 0.2, deep, -1.2), (wide + 0.2, deep + 0.2, high), material=sides),
     ])
     return f"""(
     title: "Heap of spheres, rolling resistance {rolling:g}, friction {sliding:g}",
@@ -54,8 +55,13 @@ def scene(rolling, sliding, args, gates):
          shear_stiffness_ratio: 0.285714, rolling_friction: {rolling}),
         (name: "wall", density: 2500, friction_angle_deg: {angle:.6g}, restitution: 0.3249, contact_stiffness: 1e6,
          shear_stiffness_ratio: 0.285714),
+        (name: "smooth", density: 2500, friction_angle_deg: 0, restitution: 0.3249, contact_stiffness: 1e6,
+         shear_stiffness_ratio: 0.285714),
     ],
-    joints: [(between: ("grain", "wall"), rolling_friction: {2 * rolling})],
+    joints: [
+        (between: ("grain", "wall"), rolling_friction: {2 * rolling}),
+        (between: ("grain", "smooth"), rolling_friction: 0),
+    ],
     blocks: [
 {blocks}
     ],
@@ -70,7 +76,7 @@ def scene(rolling, sliding, args, gates):
 
 def run(args, rolling, sliding):
     """Folder of a run."""
-    key = f"heap_{rolling:g}_{sliding:g}_{args.plate:g}_{args.drop:g}_{args.seed}" + "".join(args.set).replace(" ", "").replace("/", "_")
+    key = f"heap_{rolling:g}_{sliding:g}_{args.plate:g}_{args.drop:g}_{args.seed}{'_smooth' * args.smooth}" + "".join(args.set).replace(" ", "").replace("/", "_")
     folder = args.runs / key
     summary = folder / "summary.json"
     done = lambda: summary.exists() and json.loads(summary.read_text())["stop_reason"] == "completed"
@@ -122,6 +128,7 @@ def main():
     parser.add_argument("--pairs", default=PAIRS, help="rolling and sliding, MU_R:MU_S by comma")
     parser.add_argument("--plate", default=20, type=float, help="d")
     parser.add_argument("--drop", default=0, type=float, help="gap below the spheres at the start; d")
+    parser.add_argument("--smooth", action="store_true", help="front and back without friction, as in a slice of a long heap")
     parser.add_argument("--until", default=8, type=float, help="s")
     parser.add_argument("--seed", default=1, type=int)
     parser.add_argument("--threads", default=1, type=int)
