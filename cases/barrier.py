@@ -18,9 +18,15 @@ RADIUS = 0.05  # mean of the grains; m
 WIDTH, HEIGHT, LENGTH = 2.1, 1.35, 20.0  # of the channel; m
 FACE, THICKNESS = 8.0, 0.1  # of the barrier; m
 FRONT = 4.725  # of the mass at the start; m
-SPACING = 0.105  # of its lattice: the largest diameter; m
-ACROSS = 18  # grains
-FRICTION, ROLLING, ROLLING_AT_WALLS = 0.577, 0.0678, 0.1356
+ACROSS = 18  # grains in the width of the mass, 1.90 m
+SPACING = 1.9 / ACROSS  # of its lattice; m
+# Largest offset from its sites, over the largest diameter: as much as leaves no overlap. On the sites themselves nothing pushes a grain
+# across the channel, and the mass is 18 plane flows side by side, whose largest force is half as large again.
+JITTER = 0.0026
+FRICTION, SLIDING, ROLLING, ROLLING_AT_WALLS = 0.577, 0.9 * 0.577, 0.0678, 0.1356
+# The published dashpot, 0.456 of the critical one, is that of a restitution of 0.2 for a contact that may pull; one that only pushes rebounds
+# so much.
+RESTITUTION = 0.3249
 GRAVITY = 9.81
 SETTLING = 10.0  # at most; s
 # piles, width of a pile, opening over the mean radius
@@ -62,8 +68,10 @@ def scene(piles, words, args):
     """Text of the scene."""
     slope = math.radians(args.slope)
     lean = HEIGHT * math.tan(slope) if args.upright else 0.0
-    along = math.floor(4.6 / SPACING + 0.5) * SPACING
-    left = (WIDTH - ACROSS * SPACING) / 2
+    degrees = lambda friction: math.degrees(math.atan(friction))
+    spacing, jitter = args.spacing, args.jitter
+    along = math.floor(4.6 / spacing + 0.5) * spacing
+    left = (WIDTH - ACROSS * spacing) / 2
     settling, gate, start = "", "", "let go"
     if args.settled:
         settling = f', settle_blocks: (speed: 0.01, time: 0.1, at_most: {SETTLING:g}, gates: ["gate"])'
@@ -91,20 +99,22 @@ def scene(piles, words, args):
 // After a doctoral thesis on debris flow against open rigid barriers by coupled DEM-LBM, chapters 6 and 7: {args.grains} spheres of 9.5 to
 // 10.5 cm are {start} on a bed of {args.slope:g} degrees, 3.275 m before a barrier. A simulation by another code, one run each, not an experiment.
 // Its domain ends at the height of the barrier: a ceiling, as of a culvert, which the flow reaches from 30 degrees on. Its barrier is of
-// spheres, rough; this one of plane piles.
+// spheres, rough; this one of plane piles. The mass is a lattice, 18 grains across 1.90 m, as published; here each grain is up to 0.3 mm off its
+// site, for on the sites no grain would ever move across, and the mass be 18 plane flows side by side.
 //
-// Sliding friction 0.577, and 0.9 of it once a grain slips; rolling resistance 0.0678, at walls 0.1356; 1e6 N/m, restitution 0.2: at 5 m/s grains
-// overlap by 4 % of their diameter. From barrier.py.
+// Sliding friction 0.577, and 0.9 of it once a grain slips; rolling resistance 0.0678, at walls 0.1356; 1e6 N/m: at 5 m/s grains
+// overlap by 4 % of their diameter. Restitution is published as 0.2, by a dashpot for contacts that may pull; with that dashpot one that only pushes
+// has 0.3249. From barrier.py.
 (
     title: "Dry debris against a barrier: {words}",
     description: "{args.grains} spheres of 10 cm on {args.slope:g} degrees.",
     domain: (min: (-0.2, -0.2, -0.2), max: ({LENGTH:g}, {WIDTH + 0.2:g}, {HEIGHT + 0.2:g})),
     gravity: ({GRAVITY * math.sin(slope):.9g}, 0, {-GRAVITY * math.cos(slope):.9g}),
     materials: [
-        (name: "grain", density: 2500.0, friction_angle_deg: {math.degrees(math.atan(FRICTION)):.6g}, restitution: 0.2, contact_stiffness: 1e6,
-         shear_stiffness_ratio: 0.285714, rolling_friction: {ROLLING}),
-        (name: "wall", density: 2500.0, friction_angle_deg: {math.degrees(math.atan(FRICTION)):.6g}, restitution: 0.2, contact_stiffness: 1e6,
-         shear_stiffness_ratio: 0.285714),
+        (name: "grain", density: 2500.0, friction_angle_deg: {degrees(FRICTION):.6g}, residual_friction_angle_deg: {degrees(SLIDING):.6g},
+         restitution: {RESTITUTION}, contact_stiffness: 1e6, shear_stiffness_ratio: 0.285714, rolling_friction: {ROLLING}),
+        (name: "wall", density: 2500.0, friction_angle_deg: {degrees(FRICTION):.6g}, residual_friction_angle_deg: {degrees(SLIDING):.6g},
+         restitution: {RESTITUTION}, contact_stiffness: 1e6, shear_stiffness_ratio: 0.285714),
     ],
     joints: [
         (between: ("grain", "wall"), rolling_friction: {ROLLING_AT_WALLS}),
@@ -115,8 +125,8 @@ def scene(piles, words, args):
     ],
     grains: [
         (name: "grain", material: "grain",
-         region: Box(min: ({FRONT - along:.6g}, {left:.6g}, 0), max: ({FRONT:g}, {WIDTH - left:.6g}, {10 * SPACING:.6g})),
-         diameter: (0.095, 0.105), spacing: {SPACING}, jitter: 0, count: {args.grains}, seed: {args.seed}),
+         region: Box(min: ({FRONT - along:.6g}, {left:.6g}, 0), max: ({FRONT:g}, {WIDTH - left:.6g}, {10 * spacing:.6g})),
+         diameter: (0.095, 0.105), spacing: {spacing:.6g}, jitter: {jitter:g}, count: {args.grains}, seed: {args.seed}),
     ],
     barriers: [(name: "barrier", blocks: ["pile_*"], flow: (1, 0, 0), upstream: 1)],
     // all that carries the grains
@@ -143,6 +153,8 @@ def main():
     parser.add_argument("--settled", action="store_true", help="the mass comes to rest behind a gate before it is released")
     parser.add_argument("--slope", type=float, default=35.0, help="of the bed; degrees")
     parser.add_argument("--grains", type=int, default=7640)
+    parser.add_argument("--spacing", type=float, default=SPACING, help="of the lattice of the grains at the start; m")
+    parser.add_argument("--jitter", type=float, default=JITTER, help="largest offset of a grain from its site, over the largest diameter")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--duration", type=float, default=10.0, help="s")
     args = parser.parse_args()

@@ -118,6 +118,9 @@ pub trait Boundary {
     /// Gives the walls the opposite of their forces in an implicit viscous step just solved.
     fn drag(&mut self, _fluid: &mut Fluid) {}
 
+    /// Shares forces with bodies in the volume of the fluid, which follow from its accelerations by all else.
+    fn share(&mut self, _fluid: &mut Fluid) {}
+
     /// Books the effect of the next kick over `dt` (s).
     fn begin_kick(&mut self, _fluid: &mut Fluid, _dt: f64) {}
 

@@ -73,6 +73,7 @@ impl Fluid {
             boundary.drag(self);
             boundary.ended(Phase::Forces);
         }
+        boundary.share(self);
         Ok(())
     }
 

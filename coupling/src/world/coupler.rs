@@ -291,12 +291,18 @@ impl Boundary for Coupler<'_> {
             self.joints.update(fluid, blocks, time);
             self.interface.add_pressures(self.joints.loads());
         }
-        if let Some(grains) = &mut *self.grains {
-            grains.update(fluid, blocks, (&self.rock.bodies.dry, held));
-            for (block, on_grain) in grains.forces() {
-                let force = on_grain.pressure + on_grain.drag;
-                self.interface.add_force(block, force, on_grain.drag);
-            }
+        self.summed();
+    }
+
+    fn share(&mut self, fluid: &mut Fluid) {
+        let Some(grains) = &mut *self.grains else {
+            return;
+        };
+        let held = self.rock.are_held();
+        grains.update(fluid, self.rock.blocks, (&self.rock.bodies.dry, held));
+        for (block, on_grain) in grains.forces() {
+            let force = on_grain.pressure + on_grain.drag;
+            self.interface.add_force(block, force, on_grain.drag);
         }
         self.summed();
     }
