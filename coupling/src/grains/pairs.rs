@@ -4,11 +4,11 @@
 //! particle are made for ranges of particles, each by one task that goes through the parts of all lists within its range. Both have
 //! a fixed order, and need no second list.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use rayon::prelude::*;
 use riprap_dda::Blocks;
-use riprap_sph::kernel::{Dimensions, Kernel, KernelChoice, PointKernel};
 use riprap_sph::{CellGrid, Fluid, Vec3};
 
 use super::Grain;
@@ -136,32 +136,42 @@ impl Chunk {
     /// Appends the list of a grain, in order of the particles; returns its kernel sum.
     fn list(&mut self, fluid: &Fluid, grain: &Grain, blocks: &Blocks, view: &View) -> f64 {
         let (grid, particles) = (fluid.grid(), fluid.particles());
-        let kernel = PointKernel::new(KernelChoice::WendlandC2, grain.reach, Dimensions::Three);
+        let kernel = Wendland::new(grain.reach);
         let x = grid.wrapped(blocks.centroid(grain.block));
         let reach = grain.reach + fluid.moved();
         let [along, across, up] = [0, 1, 2].map(|axis| pieces(grid, axis, x[axis], reach));
         let (first, mut filled) = (self.water.len(), 0.0);
+        let gap = |axis: usize, cell: usize, shift: f64| {
+            let low = grid.min()[axis] + cell as f64 * grid.cell_size()[axis] + shift;
+            (low - x[axis])
+                .max(x[axis] - low - grid.cell_size()[axis])
+                .max(0.0)
+        };
         for (k, z) in up.cells() {
+            let left = reach * reach - gap(2, k, z).powi(2);
             for (j, y) in across.cells() {
+                let chord2 = left - gap(1, j, y).powi(2);
+                if chord2 <= 0.0 {
+                    continue;
+                }
                 for piece in along.ranges() {
-                    let row = grid.cell_at([piece.first, j, k])..=grid.cell_at([piece.last, j, k]);
-                    let run =
-                        grid.particles_in(*row.start()).start..grid.particles_in(*row.end()).end;
+                    let Some((from, to)) = piece.within(grid, x.x, chord2.sqrt()) else {
+                        continue;
+                    };
+                    let cells = [from, to].map(|i| grid.particles_in(grid.cell_at([i, j, k])));
                     let shift = Vec3::new(piece.shift, y, z);
-                    for a in run {
+                    for a in cells[0].start..cells[1].end {
                         let place = particles.position[a] + shift;
-                        let distance = (place - x).norm();
-                        if grain.reach <= distance || !view.sees(blocks, &x, &place) {
+                        let value = kernel.value((place - x).norm_squared());
+                        if value == 0.0 || !view.sees(blocks, &x, &place) {
                             continue;
                         }
                         let images = view.images()[1..].iter();
                         let of_images: f64 = images
-                            .map(|image| (place - image).norm())
-                            .filter(|&distance| distance < grain.reach)
-                            .map(|distance| kernel.value(distance))
+                            .map(|image| kernel.value((place - image).norm_squared()))
                             .sum();
                         // of single precision, in all sums alike
-                        let value = (kernel.value(distance) + of_images) as f32;
+                        let value = (value + of_images) as f32;
                         self.water.push(a as u32);
                         self.kernel.push(value);
                         filled += particles.mass[a] / particles.density[a] * f64::from(value);
@@ -210,6 +220,50 @@ impl Pieces {
     fn cells(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         (self.ranges().iter())
             .flat_map(|piece| (piece.first..=piece.last).map(|cell| (cell, piece.shift)))
+    }
+}
+
+impl Piece {
+    /// Those along x within a distance (m) of a coordinate (m).
+    fn within(&self, grid: &CellGrid, x: f64, distance: f64) -> Option<(usize, usize)> {
+        let (min, size) = (grid.min().x + self.shift, grid.cell_size().x);
+        // positions out of the domain are in the outermost cells
+        let cell = |x: f64| ((x - min) / size).floor().max(0.0) as usize;
+        let from = self.first.max(cell(x - distance).min(self.last));
+        let to = self.last.min(cell(x + distance).max(self.first));
+        (from <= to).then_some((from, to))
+    }
+}
+
+/// Wendland's kernel C2 in space.
+///
+/// ```text
+/// W = 21/(2π R³) (1 − r/R)⁴ (1 + 4 r/R)
+/// ```
+struct Wendland {
+    /// `1/R²`; 1/m².
+    inverse_square: f64,
+    /// 1/m³.
+    factor: f64,
+}
+
+impl Wendland {
+    fn new(reach: f64) -> Self {
+        Self {
+            inverse_square: 1.0 / (reach * reach),
+            factor: 21.0 / (2.0 * PI * reach.powi(3)),
+        }
+    }
+
+    /// At a squared distance (m²); 1/m³.
+    fn value(&self, square: f64) -> f64 {
+        let q2 = square * self.inverse_square;
+        if 1.0 <= q2 {
+            return 0.0;
+        }
+        let q = q2.sqrt();
+        let w2 = (1.0 - q) * (1.0 - q);
+        self.factor * w2 * w2 * (1.0 + 4.0 * q)
     }
 }
 
