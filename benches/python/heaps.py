@@ -83,7 +83,8 @@ def run(args, rolling, sliding):
     if not done():
         args.runs.mkdir(parents=True, exist_ok=True)
         gates = args.runs / "heap_gates.csv"
-        gates.write_text(f"time [s], x [m], y [m], z [m]\n0, 0, 0, 0\n{SHUT}, 0, 0, 0\n{SHUT + 0.4}, 0, 0, -2\n1000, 0, 0, -2\n")
+        ways = [(0, 0), (SHUT, 0), (SHUT + 0.4, -2), (1000, -2)]
+        gates.write_text("time [s], x [m], y [m], z [m]\n" + "".join(f"{t}, 0, 0, {z}\n" for t, z in ways))
         path = args.runs / f"{key}.ron"
         path.write_text(scene(rolling, sliding, args, gates.name))
         go_on = ["--resume"] if (folder / "checkpoint.bin").exists() else ["--force"]

@@ -13,6 +13,7 @@ import argparse
 import csv
 import json
 import math
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -42,7 +43,7 @@ def scene(depth, seed):
         if old not in text:
             raise SystemExit(f"hopper.ron has no {old!r}")
         text = text.replace(old, new)
-    return text.replace("hopper_gate.csv", str(CASES / "hopper_gate.csv"))
+    return text
 
 
 def run(args, seed):
@@ -55,6 +56,7 @@ def run(args, seed):
         args.runs.mkdir(parents=True, exist_ok=True)
         path = args.runs / f"{name}.ron"
         path.write_text(scene(args.depth, seed))
+        shutil.copy(CASES / "hopper_gate.csv", args.runs)
         go_on = ["--resume"] if (folder / "checkpoint.bin").exists() else ["--force"]
         command = [args.riprap, "run", str(path), "-o", str(folder), *go_on, "--quiet", "--no-report", "--threads", str(args.threads)]
         for one in args.set:
