@@ -235,7 +235,10 @@ impl JointWater {
             }
             joints.is_jointed[b] = true;
             joints.is_sealed[b] = is_sealed(b);
-            joints.blocks.push(Jointed { block: b, faces });
+            // a sphere has no face that another could cover
+            if !faces.is_empty() {
+                joints.blocks.push(Jointed { block: b, faces });
+            }
             if blocks.is_free(b) {
                 joints.n_of_free = joints.points.len();
             }
