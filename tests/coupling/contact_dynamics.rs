@@ -545,6 +545,11 @@ fn cases_are_those_of_their_scripts() {
         ("wall", "wall", &[]),
         ("barrier_slit", "barrier", &["slit", "5"]),
         ("barrier_sectional", "barrier", &["sectional", "F"]),
+        (
+            "barrier_wet",
+            "barrier",
+            &["slit", "5", "--wet", "mixed", "--duration", "4"],
+        ),
     ] {
         let scene = case(&format!("{name}.ron"));
         let script = scene.with_file_name(format!("{script}.py"));
