@@ -39,8 +39,9 @@ use sight::Sight;
 
 /// Particles per parallel task; a constant, so that results do not depend on threads.
 const CHUNK: usize = 1024;
-/// Share of the kernel around a grain, with its images in walls, that water fills where the grain is under water.
-const WET_SHARE: f64 = 0.9;
+/// Shares of the kernel around a grain, with its images in walls, that water fills where the grain is dry, and where it is under water; in
+/// between it has a part of its volume in the water. Spray in a cloud of grains has room.
+const WET_SHARES: [f64; 2] = [0.3, 0.9];
 /// Porosity below which grains are taken to overlap; –.
 const LEAST_POROSITY: f64 = 0.2;
 
@@ -203,7 +204,8 @@ impl AveragedGrains {
         } = self;
         pairs.find(fluid, grains, (sight, blocks));
         for (wet, filled) in wet.iter_mut().zip(pairs.filled()) {
-            *wet = (filled / WET_SHARE).min(1.0);
+            let [dry, under_water] = WET_SHARES;
+            *wet = ((filled - dry) / (under_water - dry)).clamp(0.0, 1.0);
         }
         let n = fluid.particles().len();
         let (wet, pairs) = (&*wet, &*pairs);
