@@ -6,7 +6,7 @@
     python3 barrier.py sectional F                one of the published ten, A to L
     python3 barrier.py sectional --piles 6 --pile 0.3 --opening 0.25
     python3 barrier.py slit 5 --settled           from rest behind a gate, which is gone at t = 0
-    python3 barrier.py slit 5 --wet mixed         mud with grains spread in it; `--wet mud` without grains
+    python3 barrier.py slit 5 --wet mud           mud in place of grains; `--wet mixed` has both
 
 The scene goes to standard output. A test holds the committed scenes to this script. Published: doctoral thesis on debris flow against open
 rigid barriers by coupled DEM-LBM, chapters 6 and 7 (table 7.1). x runs down the bed, y across, z off it; gravity is turned by the slope.
@@ -186,7 +186,8 @@ def wet_heading(words, args):
     density, viscosity, yield_stress, at_rest = MUD
     mixed = f""" It holds a share of
 // {SHARE:g} of spheres of 9.5 to 10.5 cm, {2 * RADIUS / args.particles:g} spacings of the mud wide, which share its space: buoyancy, drag of a fluid with a yield stress, and their opposite on
-// the mud. Contacts are those of the dry case.""" if args.wet == "mixed" else ""
+// the mud. Contacts are those of the dry case. It does not run through its impact: particles at the barrier's foot and on the bed are then compressed
+// by more than a half, and shorter steps do not help.""" if args.wet == "mixed" else ""
     return f"""// Wet debris against a barrier: {words}.
 //
 // The flume of the dry case, filled up with mud: {DEPTH:g} m deep, {density} kg/m3, a Bingham fluid of {viscosity} Pa s and {yield_stress} Pa, whose viscosity at rest is
@@ -207,7 +208,7 @@ def main():
     parser.add_argument("--opening", type=float, help="between two piles; m")
     parser.add_argument("--upright", action="store_true", help="upright instead of at right angles to the bed")
     parser.add_argument("--settled", action="store_true", help="the mass comes to rest behind a gate before it is released")
-    parser.add_argument("--wet", choices=["mud", "mixed"], help="filled up with mud, without grains or with grains spread in it")
+    parser.add_argument("--wet", choices=["mud", "mixed"], help="filled up with mud, without grains, or with grains spread in it, which does not run through its impact yet")
     parser.add_argument("--particles", type=float, default=0.1, help="spacing of the particles of mud; m")
     parser.add_argument("--slope", type=float, default=35.0, help="of the bed; degrees")
     parser.add_argument("--grains", type=int, default=7640)

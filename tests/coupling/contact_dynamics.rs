@@ -548,7 +548,7 @@ fn cases_are_those_of_their_scripts() {
         (
             "barrier_wet",
             "barrier",
-            &["slit", "5", "--wet", "mixed", "--duration", "4"],
+            &["slit", "5", "--wet", "mud", "--duration", "4"],
         ),
     ] {
         let scene = case(&format!("{name}.ron"));
