@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use riprap::run::build;
 use riprap::time_step::{BlockSteps, Cause, TimeStep};
 use riprap::world::World;
-use riprap_dda::{Motion, Vec3};
+use riprap_dda::{Motion, Shape, Vec3};
 
 use crate::support::scene::{advance, basin, errors, resolved, world};
 
@@ -74,19 +74,13 @@ impl Mixture {
         world(&self.text())
     }
 
-    /// With the grains fixed where they are.
-    fn world_of_fixed(&self) -> World {
+    /// With the grains fixed where they are, each as `change` makes it.
+    fn world_of_fixed(&self, change: impl Fn(&mut Shape)) -> World {
         let mut scene = resolved(&self.text()).unwrap();
-        for &block in &scene
-            .fluid
-            .as_ref()
-            .unwrap()
-            .averaged
-            .as_ref()
-            .unwrap()
-            .blocks
-        {
+        let grains = scene.fluid.as_ref().unwrap().averaged_blocks().to_vec();
+        for block in grains {
             scene.blocks[block].motion = Motion::Fixed;
+            change(&mut scene.blocks[block].shape);
         }
         build(&scene).unwrap()
     }
@@ -239,7 +233,7 @@ fn a_fixed_bed_stands_in_still_water() {
     let spacing = 0.02;
     let width = 14.0 * spacing;
     let bed = grains_in([[0.0; 3], [width, width, 7.0 * spacing]], 0.02, 0.02, "");
-    let mut world = tank(spacing, [14.0, 14.0], bed).world_of_fixed();
+    let mut world = tank(spacing, [14.0, 14.0], bed).world_of_fixed(|_| ());
     let depth = 14.0 * spacing;
     let volume = PI / 6.0 * 0.02_f64.powi(3);
     let low = Vec3::new(0.5 * width, 0.5 * width, 2.0 * spacing);
@@ -297,24 +291,11 @@ fn water_seeps_through_a_bed_by_its_drag() {
             numerics: "sound_speed: 0.5".into(),
         };
         // grains as large as they are to be, which touch
-        let text = mixture.text();
-        let mut scene = resolved(&text).unwrap();
-        let blocks = scene
-            .fluid
-            .as_ref()
-            .unwrap()
-            .averaged
-            .as_ref()
-            .unwrap()
-            .blocks
-            .clone();
-        for block in blocks {
-            scene.blocks[block].motion = Motion::Fixed;
-            if let riprap_dda::Shape::Sphere { radius, .. } = &mut scene.blocks[block].shape {
+        let mut world = mixture.world_of_fixed(|shape| {
+            if let Shape::Sphere { radius, .. } = shape {
                 *radius = 0.5 * diameter;
             }
-        }
-        let mut world = build(&scene).unwrap();
+        });
         advance(&mut world, 0.8, 10.0, |_| ());
         let superficial = 0.4 * water_velocity(&world).x;
         // 2 % of the averages; of the speed half as much, where drag grows with its square
