@@ -12,16 +12,15 @@ slits: about the same at every slope. Finished runs are reused, others resumed.
 """
 
 import argparse
-import csv
-import json
 import math
 import subprocess
 import sys
 from pathlib import Path
 
+from rows import CASES, read_rows, run_to_end, table, unexplained
+
 # Interval of means; s.
 MEAN = 0.01
-CASES = Path(__file__).resolve().parents[2] / "cases"
 # arguments of barrier.py, largest global force [kN], its time [s], largest local force [kN]
 ROWS = {
     "OB": ("slit closed", 88.3, 1.5, 7.60),
@@ -49,24 +48,15 @@ ROWS = {
 def run(args, scene):
     """Folder and summary of the run of a scene, by its arguments of barrier.py."""
     scene = f"{scene} {args.scene}".split()
-    key = "_".join(scene + args.set).replace("--", "").replace(" ", "").replace("/", "_")
-    folder = args.runs / key
-    summary = folder / "summary.json"
-    done = lambda: summary.exists() and json.loads(summary.read_text())["stop_reason"] == "completed"
-    if not done():
-        args.runs.mkdir(parents=True, exist_ok=True)
-        path = args.runs / f"{key}.ron"
+
+    def prepare():
         command = [sys.executable, CASES / "barrier.py", *scene]
         text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-        path.write_text(text)
         piles = ", ".join(f'"pile_{number}"' for number in range(1, text.count('(name: "pile_') + 1))
         forces = f"forces=(blocks: [{piles}], interval: {MEAN})"
-        go_on = ["--resume"] if (folder / "checkpoint.bin").exists() else ["--force"]
-        command = [args.riprap, "run", str(path), "-o", str(folder), *go_on, "--quiet", "--no-report", "--threads", str(args.threads)]
-        for one in [f"time.duration={args.until}", f"output.frame_interval={args.until}", forces, *args.set]:
-            command += ["--set", one]
-        subprocess.run(command, check=True)
-    return folder, json.loads(summary.read_text())
+        return text, [f"time.duration={args.until}", f"output.frame_interval={args.until}", forces]
+
+    return run_to_end(args, "_".join([*scene, *args.set, f"{args.until:g}s"]).replace("--", ""), prepare)
 
 
 def result(summary):
@@ -78,31 +68,19 @@ def result(summary):
 def largest_mean(folder):
     """Largest mean over `MEAN` of the force on the whole barrier (kN) and its time (s)."""
     sums = {}
-    with open(folder / "forces.csv") as file:
-        for row in csv.DictReader(file):
-            force = sums.setdefault(float(row["time [s]"]), [0.0, 0.0, 0.0])
-            for axis, name in enumerate("xyz"):
-                force[axis] += float(row[f"contact_f{name} [N]"]) / 1e3
+    for row in read_rows(folder / "forces.csv"):
+        force = sums.setdefault(float(row["time [s]"]), [0.0, 0.0, 0.0])
+        for axis, name in enumerate("xyz"):
+            force[axis] += float(row[f"contact_f{name} [N]"]) / 1e3
     return max((math.hypot(*force), time) for time, force in sums.items())
-
-
-def unexplained(summary):
-    """Share of the energy released that the ledger lacks."""
-    energy = summary["energy"]
-    return energy["residual"] / sum(energy[key] for key in ("friction", "damping", "kinetic"))
-
-
-def table(head):
-    """Prints the head of a table."""
-    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
 
 
 def published(args):
     """The published rows."""
-    table([
-        "row", "published [kN]", "largest step [kN]", "ratio", "largest 10 ms [kN]", "ratio", "published at [s]", "step at [s]", "arrival [s]",
-        "published, local [kN]", "on a cell [kN]", "passed by the end", "unexplained", "steps", "wall [s]",
-    ])
+    table([[
+        "row", "published [kN]", "largest step [kN]", "ratio", "largest 10 ms [kN]", "ratio", "published at [s]", "step at [s]",
+        "arrival [s]", "published, local [kN]", "on a cell [kN]", "passed by the end", "unexplained", "steps", "wall [s]",
+    ]])
     steps, means, on_time, local = [], [], 0, 0
     for name in args.rows.split(","):
         scene, force, at, on_sphere = ROWS[name]
@@ -123,18 +101,18 @@ def published(args):
     for what, ratios in [("steps", steps), ("means of 10 ms", means)]:
         within = lambda share: sum(abs(ratio - 1) <= share for ratio in ratios)
         print(
-            f"\nLargest {what} of {n}: {within(0.15)} within 15 %, {within(0.25)} within 25 %, mean ratio {sum(ratios) / n:.3f} (least {min(ratios):.2f}, "
-            f"largest {max(ratios):.2f})"
+            f"\nLargest {what} of {n}: {within(0.15)} within 15 %, {within(0.25)} within 25 %, mean ratio {sum(ratios) / n:.3f} "
+            f"(least {min(ratios):.2f}, largest {max(ratios):.2f})"
         )
     print(f"\n{on_time} of {n} within 0.25 s; {local} of the local forces within a factor of 2")
 
 
 def slopes(args):
     """Slits over slopes."""
-    table([
-        "slope", "opening over radius", "largest step [kN]", "over the first", "at [s]", "largest 10 ms [kN]", "over the first", "arrival [s]",
-        "unexplained",
-    ])
+    table([[
+        "slope", "opening over radius", "largest step [kN]", "over the first", "at [s]", "largest 10 ms [kN]", "over the first",
+        "arrival [s]", "unexplained",
+    ]])
     for slope in args.slopes.split(","):
         first = ()
         for opening in args.openings.split(","):
@@ -160,7 +138,7 @@ def main():
     parser.add_argument("--until", default=1.9, type=float, help="s")
     parser.add_argument("--threads", default=1, type=int)
     parser.add_argument("--scene", default="", help="further arguments of cases/barrier.py")
-    parser.add_argument("--set", nargs="*", default=[])
+    parser.add_argument("--set", nargs="*", action="extend", default=[])
     args = parser.parse_args()
     if args.slopes:
         slopes(args)

@@ -15,12 +15,11 @@ of the plate, one for each flank. Finished runs are reused, others resumed.
 """
 
 import argparse
-import csv
-import json
 import math
 import statistics
-import subprocess
 from pathlib import Path
+
+from rows import read_rows, run_to_end, table
 
 D = 0.1  # m
 DEPTH, OUTLET, FILL = 4, 5, 10  # d
@@ -75,36 +74,27 @@ def scene(rolling, sliding, args, gates):
 
 
 def run(args, rolling, sliding):
-    """Folder of a run."""
-    key = f"heap_{rolling:g}_{sliding:g}_{args.plate:g}_{args.drop:g}_{args.seed}{'_smooth' * args.smooth}" + "".join(args.set).replace(" ", "").replace("/", "_")
-    folder = args.runs / key
-    summary = folder / "summary.json"
-    done = lambda: summary.exists() and json.loads(summary.read_text())["stop_reason"] == "completed"
-    if not done():
-        args.runs.mkdir(parents=True, exist_ok=True)
+    """Folder and summary of a run."""
+    name = f"heap_{rolling:g}_{sliding:g}_{args.plate:g}_{args.drop:g}_{args.seed}{'_smooth' * args.smooth}" + "".join(args.set)
+
+    def prepare():
         gates = args.runs / "heap_gates.csv"
         ways = [(0, 0), (SHUT, 0), (SHUT + 0.4, -2), (1000, -2)]
         gates.write_text("time [s], x [m], y [m], z [m]\n" + "".join(f"{t}, 0, 0, {z}\n" for t, z in ways))
-        path = args.runs / f"{key}.ron"
-        path.write_text(scene(rolling, sliding, args, gates.name))
-        go_on = ["--resume"] if (folder / "checkpoint.bin").exists() else ["--force"]
-        command = [args.riprap, "run", str(path), "-o", str(folder), *go_on, "--quiet", "--no-report", "--threads", str(args.threads)]
-        for one in args.set:
-            command += ["--set", one]
-        subprocess.run(command, check=True)
-    return folder
+        return scene(rolling, sliding, args, gates.name), []
+
+    return run_to_end(args, f"{name}_{args.until:g}s", prepare)
 
 
 def last(folder):
     """Time of the last row (s), places of the spheres then (m) and the largest speed (m/s)."""
     rows, speeds, time = [], [], -1.0
-    with open(folder / "blocks.csv") as file:
-        for row in csv.DictReader(file):
-            at = float(row["time [s]"])
-            if at > time:
-                time, rows, speeds = at, [], []
-            rows.append(tuple(float(row[f"{axis} [m]"]) for axis in "xyz"))
-            speeds.append(math.hypot(*(float(row[f"v{axis} [m/s]"]) for axis in "xyz")))
+    for row in read_rows(folder / "blocks.csv"):
+        at = float(row["time [s]"])
+        if at > time:
+            time, rows, speeds = at, [], []
+        rows.append(tuple(float(row[f"{axis} [m]"]) for axis in "xyz"))
+        speeds.append(math.hypot(*(float(row[f"v{axis} [m/s]"]) for axis in "xyz")))
     return time, rows, max(speeds)
 
 
@@ -133,21 +123,19 @@ def main():
     parser.add_argument("--until", default=8, type=float, help="s")
     parser.add_argument("--seed", default=1, type=int)
     parser.add_argument("--threads", default=1, type=int)
-    parser.add_argument("--set", nargs="*", default=[])
+    parser.add_argument("--set", nargs="*", action="extend", default=[])
     args = parser.parse_args()
-    head = [
+    table([[
         "rolling", "sliding", "fit [deg]", "measured: left, right [deg]", "minus fit",
         "spheres on the plate", "ends at [s]", "fastest then [m/s]", "wall [s]",
-    ]
-    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
+    ]])
     for pair in args.pairs.split(","):
         rolling, sliding = map(float, pair.split(":"))
-        folder = run(args, rolling, sliding)
+        folder, summary = run(args, rolling, sliding)
         time, grains, fastest = last(folder)
         half = 0.5 * args.plate * D
         left, right = (flank(grains, side, half) for side in (-1, 1))
         on_plate = sum(z > 0 and abs(x) < half for x, _, z in grains)
-        summary = json.loads((folder / "summary.json").read_text())
         fit = 151.7 * math.sqrt(rolling * sliding)
         mean = 0.5 * (left + right)
         print(

@@ -10,14 +10,12 @@ reused, others resumed.
 """
 
 import argparse
-import csv
-import json
 import math
 import shutil
-import subprocess
 from pathlib import Path
 
-CASES = Path(__file__).resolve().parents[2] / "cases"
+from rows import CASES, read_rows, run_to_end, table, unexplained
+
 DIAMETER, DENSITY = 2.24e-3, 2500.0  # m, kg/m3
 DEPTH, COUNT = 5, 13580  # of the case; diameters, beads
 SLICE = 5.6e-3  # m
@@ -47,22 +45,13 @@ def scene(depth, seed):
 
 
 def run(args, seed):
-    """Folder of a run."""
-    name = f"hopper_{args.depth:g}_{seed}" + "".join(args.set).replace(" ", "").replace("/", "_")
-    folder = args.runs / name
-    summary = folder / "summary.json"
-    done = lambda: summary.exists() and json.loads(summary.read_text())["stop_reason"] == "completed"
-    if not done():
-        args.runs.mkdir(parents=True, exist_ok=True)
-        path = args.runs / f"{name}.ron"
-        path.write_text(scene(args.depth, seed))
+    """Folder and summary of a run."""
+
+    def prepare():
         shutil.copy(CASES / "hopper_gate.csv", args.runs)
-        go_on = ["--resume"] if (folder / "checkpoint.bin").exists() else ["--force"]
-        command = [args.riprap, "run", str(path), "-o", str(folder), *go_on, "--quiet", "--no-report", "--threads", str(args.threads)]
-        for one in args.set:
-            command += ["--set", one]
-        subprocess.run(command, check=True)
-    return folder
+        return scene(args.depth, seed), []
+
+    return run_to_end(args, f"hopper_{args.depth:g}_{seed}" + "".join(args.set), prepare)
 
 
 def rate(points, start, end):
@@ -76,11 +65,9 @@ def rate(points, start, end):
 def discharged(folder, depth):
     """Times after the slot opens (s) and mass out of a slice (g)."""
     bead = 1e3 * DENSITY * math.pi / 6 * DIAMETER**3
-    with open(folder / "counters.csv") as file:
-        rows = list(csv.DictReader(file))
     return [
         (float(row["time [s]"]) - OPENS, bead * float(row["slot.passed [-]"]) * SLICE / (depth * DIAMETER))
-        for row in rows
+        for row in read_rows(folder / "counters.csv")
     ]
 
 
@@ -92,23 +79,22 @@ def main():
     parser.add_argument("--depth", default=DEPTH, type=float, help="diameters")
     parser.add_argument("--seeds", default="1")
     parser.add_argument("--threads", default=1, type=int)
-    parser.add_argument("--set", nargs="*", default=[])
+    parser.add_argument("--set", nargs="*", action="extend", default=[])
     args = parser.parse_args()
-    print("| seed | fitted to [s] | rate [g/s] | published, same times [g/s] | over published | deepest overlap, of d | unexplained | wall [s] |")
-    print("|---|---|---|---|---|---|---|---|")
+    table([[
+        "seed", "fitted to [s]", "rate [g/s]", "published, same times [g/s]", "over published", "deepest overlap, of d", "unexplained",
+        "wall [s]",
+    ]])
     for seed in args.seeds.split(","):
-        folder = run(args, seed)
+        folder, summary = run(args, seed)
         points = discharged(folder, args.depth)
         end = min(0.6, points[-1][0])
         found, published = rate(points, 0.1, end), rate(ANAND, 0.1, max(end, 0.3))
-        summary = json.loads((folder / "summary.json").read_text())
         # the size is the cube root of the volume
         overlap = (math.pi / 6) ** (1 / 3) * summary["max_block_overlap_over_size"]
-        energy = summary["energy"]
-        unexplained = energy["residual"] / (energy["friction"] + energy["damping"] + energy["kinetic"])
         print(
             f"| {seed} | {end:.2f} | {found:.1f} | {published:.1f} | {100 * (found / published - 1):+.1f} % | {100 * overlap:.1f} % | "
-            f"{unexplained:+.0e} | {summary['wall_time']:.0f} |",
+            f"{unexplained(summary):+.0e} | {summary['wall_time']:.0f} |",
             flush=True,
         )
 

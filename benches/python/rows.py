@@ -1,20 +1,21 @@
-"""Common parts of the coupling benches: runs of one scene with several wall methods, tables and plots.
+"""Common parts of the benches: runs of one scene with several wall methods, runs that are resumed, tables and plots.
 
-Existing runs are reused, so that an interrupted bench continues.
+Existing runs are reused, so that an interrupted bench continues. Only plots need more than the standard library.
 """
 
 import argparse
 import csv
+import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
-import matplotlib
+from walls import print_walls
 
-matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402
-from walls import print_walls  # noqa: E402
-
+# for matplotlib, which is imported only where a plot is drawn: other benches need the standard library alone
+os.environ["MPLBACKEND"] = "svg"
+CASES = Path(__file__).resolve().parents[2] / "cases"
 WALLS = {"Penalty": "W1", "Particles": "W2", "Integral": "W3"}
 COLORS = {"Penalty": "tab:orange", "Particles": "tab:blue", "Integral": "tab:green"}
 
@@ -74,6 +75,12 @@ def columns(path):
     }
 
 
+def read_rows(path):
+    """Rows of a CSV file one by one, each by the names of its columns with unit: for tables with words, or too long for memory."""
+    with open(path, newline="") as file:
+        yield from csv.DictReader(file)
+
+
 def run(args, case, walls, name, settings=()):
     """The run of a case with one wall method, executed unless it exists or is not requested; None if unavailable."""
     folder = args.runs / f"{name}_{WALLS[walls]}"
@@ -97,8 +104,38 @@ def run(args, case, walls, name, settings=()):
     return Run(folder)
 
 
+def run_to_end(args, name, prepare):
+    """Folder and summary of a run: executed unless it reached its end, resumed if it was stopped before.
+
+    `prepare` writes the files that the scene names into the folder of the runs; it returns the text of the scene, and settings
+    that come before those of the command line.
+    """
+    name = name.replace(" ", "").replace("/", "_")
+    folder = args.runs / name
+    summary = folder / "summary.json"
+    if not (summary.exists() and json.loads(summary.read_text())["completed"]):
+        args.runs.mkdir(parents=True, exist_ok=True)
+        text, settings = prepare()
+        path = args.runs / f"{name}.ron"
+        path.write_text(text)
+        begin = "--resume" if (folder / "checkpoint.bin").exists() else "--force"
+        command = [args.riprap, "run", str(path), "-o", str(folder), begin, "--quiet", "--no-report", "--threads", str(args.threads)]
+        for one in [*settings, *args.set]:
+            command += ["--set", one]
+        subprocess.run(command, check=True)
+    return folder, json.loads(summary.read_text())
+
+
+def unexplained(summary):
+    """Share of the energy released that the ledger lacks."""
+    energy = summary["energy"]
+    return energy["residual"] / sum(energy[key] for key in ("friction", "damping", "kinetic"))
+
+
 def figure(n_panels, height=1.6):
     """A figure of stacked panels with a common time axis."""
+    import matplotlib.pyplot as plt
+
     made, panels = plt.subplots(n_panels, 1, sharex=True, figsize=(7, max(2.4, height * n_panels)), squeeze=False)
     for panel in panels[:, 0]:
         panel.tick_params(labelsize=7)
@@ -109,6 +146,8 @@ def figure(n_panels, height=1.6):
 
 def save(args, made, name):
     """Writes a figure into the folder of plots."""
+    import matplotlib.pyplot as plt
+
     args.plots.mkdir(parents=True, exist_ok=True)
     made.tight_layout()
     made.savefig(args.plots / f"{name}.svg", metadata={"Date": None})
