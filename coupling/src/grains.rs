@@ -1,16 +1,17 @@
 //! Grains in water that are too small for its particles to flow around them: averaged equations.
 //!
-//! Grains and water share space. Of the water's force per volume each grain takes the part that belongs to its volume, and drag
-//! acts between the two; porosity enters the density of the water (`riprap_sph::fluid`):
+//! Grains and water share space. Of the water's force on a place each takes the part that belongs to its share of it, and drag acts between
+//! the two; the flux of both compresses the water (`riprap_sph::fluid`, where `S` is the force per volume):
 //!
 //! ```text
-//! ε = 1 − Σ_j V_j W_ij/D_j,     w_ij = V_i W_ij/D_j,   D_j = Σ_i V_i W_ij         share of water; weights of water i for grain j
-//! m_j dv_j/dt = m_j g + contacts + F_j,     F_j = V_j ⟨−∇p + ∇·τ⟩_j + f_d + C_j ds/dt,   C_j = ½ ρ V_j,   s = ⟨u⟩_j − v_j         [N]
-//! −w_ij F_j                                                                               on the particles of water
+//! φ_ij = V_j W_ij/D_j,   ε_i = 1 − Σ_j φ_ij,   w_ij = V_i W_ij/D_j,   D_j = Σ_i V_i W_ij      shares of grain j and of the water at
+//!                                                                                          particle i; weights of i for j          [–]
+//! m_j dv_j/dt = m_j g + contacts + Σ_i φ_ij V_i S_i + G_j,     G_j = f_d + C_j ds/dt,   C_j = ½ ρ V_j,   s = ⟨u⟩_j − v_j         [N]
+//! m_i du_i/dt = m_i g + ε_i V_i S_i − Σ_j w_ij G_j                                                                            [N]
 //! ```
-//! `⟨·⟩_j` is the mean with the weights. Momentum is exchanged to round-off whatever the force, drag takes energy and never makes any,
-//! and a bed at rest carries the weight of its grains less that of the water they displace. Work that the pressure's part does on
-//! one side and does not take from the other is booked as an error of the averaging.
+//! `⟨·⟩_j` is the mean with the weights: the force of pressure and stress on a grain is `V_j ⟨S⟩_j`. Momentum is exchanged to round-off whatever
+//! the force, pressure takes from one side what it gives to the other, drag takes energy and never makes any, and a bed at rest carries the
+//! weight of its grains less that of the water they displace.
 //!
 //! ```text
 //! k_j ds/dt = A_u − A_v − f_d q_j,   q_j = 1/m_j + Σ_i w_ij s_i/m_i,   s_i = Σ_k w_ik,   k_j = 1 + C_j q_j
@@ -42,6 +43,10 @@ const CHUNK: usize = 1024;
 /// Shares of the kernel around a grain, with its images in walls, that water fills where the grain is dry, and where it is under water; in
 /// between it has a part of its volume in the water. Spray in a cloud of grains has room.
 const WET_SHARES: [f64; 2] = [0.3, 0.9];
+/// Time in which the density of water among grains is drawn to that which its flow carries; × time of sound over the smoothing length.
+const DRAWN_OVER: f64 = 10.0;
+/// Evaluations of the mean slip over a step and of the resistance at it.
+const N_SLIPS: usize = 3;
 /// Porosity below which grains are taken to overlap; –.
 const LEAST_POROSITY: f64 = 0.2;
 
@@ -74,16 +79,29 @@ struct Grain {
     reach: f64,
 }
 
-/// Force of the water on a grain; N.
+/// Forces of the water on a grain; N.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct OnGrain {
-    /// Of pressure, stress and added mass.
+    /// Its share of that of pressure.
     pub pressure: Vec3,
+    /// Its share of that of viscosity.
+    pub viscous: Vec3,
+    /// Of water that is accelerated with it.
+    pub added: Vec3,
+    /// Kinetic energy of this water; J.
+    pub added_energy: f64,
     /// Of drag.
     pub drag: Vec3,
 }
 
-/// Opposite forces on a particle of water; N.
+impl OnGrain {
+    /// All of it; N.
+    pub fn total(&self) -> Vec3 {
+        self.pressure + self.viscous + self.added + self.drag
+    }
+}
+
+/// Opposites of the forces of added mass and of drag on a particle of water; N.
 type OnWater = [Vec3; 2];
 
 /// Power of the exchange; W.
@@ -91,8 +109,10 @@ type OnWater = [Vec3; 2];
 pub(crate) struct Power {
     /// That drag takes.
     pub drag: f64,
-    /// That the pressure's part makes on both sides together.
-    pub pressure: f64,
+    /// That viscosity takes from grains.
+    pub viscous: f64,
+    /// That added mass gives to both sides together.
+    pub added: f64,
     /// That grains which are not free give.
     pub by_prescribed: f64,
     /// Force that grains which are not free exert on the water; N.
@@ -110,14 +130,22 @@ pub struct AveragedGrains {
     wet: Vec<f64>,
     /// Of each grain.
     on_grains: Vec<OnGrain>,
+    /// Volume of each grain per sum over its kernel, dry 0; m³.
+    room: Vec<f64>,
     /// Of each particle of water.
     porosity: Vec<f64>,
+    /// Part of the grains in each particle that fits beside the least porosity; –.
+    fits: Vec<f64>,
+    /// Flux of grains in each particle; m/s.
+    flux: Vec<Vec3>,
+    /// That they had as the weights were found; m³.
+    volume: Vec<f64>,
     /// Sum of the weights of each particle.
     sums: Vec<f64>,
     on_water: Vec<OnWater>,
     /// Time over which the forces found next act; s.
     dt: f64,
-    /// Energy of compression that grains brought in by a change of porosity, not taken yet; J.
+    /// Energy of compression that grains brought in as they got wet, not taken yet; J.
     compressed: f64,
 }
 
@@ -140,7 +168,11 @@ impl AveragedGrains {
             pairs: Pairs::default(),
             wet: vec![0.0; grains.len()],
             on_grains: vec![OnGrain::default(); grains.len()],
+            room: Vec::new(),
             porosity: Vec::new(),
+            fits: Vec::new(),
+            volume: Vec::new(),
+            flux: Vec::new(),
             sums: Vec::new(),
             on_water: Vec::new(),
             dt: 0.0,
@@ -184,14 +216,51 @@ impl AveragedGrains {
         fluid.leave_room(&self.porosity);
     }
 
-    /// Finds the water near each grain and the porosity, for forces that act over `dt` (s), 0 if not known; the fluid is sorted.
-    pub(crate) fn find(&mut self, fluid: &mut Fluid, blocks: &Blocks, dt: f64) {
+    /// Finds the water near each grain, the porosity and the flux of grains, which may be held; the fluid is sorted.
+    /// `over` (s) is the time since the density was last drawn to what the flow of the water carries.
+    pub(crate) fn find(
+        &mut self,
+        fluid: &mut Fluid,
+        (blocks, are_held): (&Blocks, bool),
+        over: f64,
+    ) {
+        self.find_pairs(fluid, blocks);
+        let settings = fluid.settings();
+        let sound = settings.smoothing_length / settings.sound_speed;
+        let drawn = -(-over / (DRAWN_OVER * sound)).exp_m1();
+        self.compressed += fluid.set_porosity(&self.porosity, drawn);
+        self.update_flux(fluid, blocks, are_held);
+    }
+
+    /// Sets the time over which the forces found next act, 0 if not known; s.
+    pub(crate) fn set_step(&mut self, fluid: &Fluid, dt: f64) {
         self.dt = match 0.0 < dt {
             true => dt,
             false => fluid.step_limits().sound,
         };
-        self.find_pairs(fluid, blocks);
-        self.compressed += fluid.set_porosity(&self.porosity);
+    }
+
+    fn update_flux(&mut self, fluid: &mut Fluid, blocks: &Blocks, are_held: bool) {
+        let (grains, room, fits, pairs) = (&self.grains, &self.room, &self.fits, &self.pairs);
+        self.flux.resize(fits.len(), Vec3::zeros());
+        self.flux
+            .par_chunks_mut(pairs::RANGE)
+            .enumerate()
+            .for_each(|(range, flux)| {
+                flux.fill(Vec3::zeros());
+                let first = range * pairs::RANGE;
+                let of_grain = |g: usize| match are_held {
+                    true => Vec3::zeros(),
+                    false => blocks.velocity(grains[g].block) * room[g],
+                };
+                pairs.for_each_in(first..first + flux.len(), of_grain, |a, kernel, flow| {
+                    flux[a - first] += flow * kernel;
+                });
+                for (flux, fits) in flux.iter_mut().zip(&fits[first..]) {
+                    *flux *= *fits;
+                }
+            });
+        fluid.set_grain_flux(&self.flux);
     }
 
     fn find_pairs(&mut self, fluid: &Fluid, blocks: &Blocks) {
@@ -200,44 +269,58 @@ impl AveragedGrains {
             sight,
             pairs,
             wet,
+            room,
             ..
         } = self;
         pairs.find(fluid, grains, (sight, blocks));
-        for (wet, filled) in wet.iter_mut().zip(pairs.filled()) {
+        room.clear();
+        for (g, (wet, filled)) in wet.iter_mut().zip(pairs.filled()).enumerate() {
             let [dry, under_water] = WET_SHARES;
             *wet = ((filled - dry) / (under_water - dry)).clamp(0.0, 1.0);
+            room.push(match *wet == 0.0 {
+                true => 0.0,
+                false => grains[g].volume * *wet / filled,
+            });
         }
         let n = fluid.particles().len();
-        let (wet, pairs) = (&*wet, &*pairs);
-        // both per particle of a grain's sum over its kernel
-        let of_grain = |g: usize| {
-            let per_sum = 1.0 / pairs.filled_of(g);
-            [grains[g].volume * wet[g] * per_sum, per_sum]
-        };
+        let (room, pairs) = (&*room, &*pairs);
+        // all per particle of a grain's sum over its kernel
+        let of_grain = |g: usize| [room[g], 1.0 / pairs.filled_of(g)];
         let particles = fluid.particles();
-        self.porosity.resize(n, 1.0);
+        for (column, value) in [(&mut self.porosity, 1.0), (&mut self.fits, 1.0)] {
+            column.resize(n, value);
+        }
         self.sums.resize(n, 0.0);
-        let out = self
-            .porosity
-            .par_chunks_mut(pairs::RANGE)
+        self.volume.clear();
+        // of what the flow carries: that of the density follows the porosity, which would follow it
+        self.volume
+            .extend((0..n).map(|a| particles.volume_with_grains(a)));
+        let volume = &self.volume;
+        let out = (self.porosity.par_chunks_mut(pairs::RANGE))
+            .zip(self.fits.par_chunks_mut(pairs::RANGE))
             .zip(self.sums.par_chunks_mut(pairs::RANGE));
-        out.enumerate().for_each(|(range, (porosity, sums))| {
-            porosity.fill(1.0);
-            sums.fill(0.0);
-            let first = range * pairs::RANGE;
-            pairs.for_each_in(
-                first..first + porosity.len(),
-                of_grain,
-                |a, kernel, [volume, one]| {
-                    porosity[a - first] -= kernel * volume;
-                    sums[a - first] += kernel * one;
-                },
-            );
-            for (k, (share, sum)) in porosity.iter_mut().zip(sums).enumerate() {
-                *share = share.max(LEAST_POROSITY);
-                *sum *= particles.mass[first + k] / particles.density[first + k];
-            }
-        });
+        out.enumerate()
+            .for_each(|(range, ((porosity, fits), sums))| {
+                porosity.fill(1.0);
+                sums.fill(0.0);
+                let first = range * pairs::RANGE;
+                pairs.for_each_in(
+                    first..first + porosity.len(),
+                    of_grain,
+                    |a, kernel, [volume, one]| {
+                        porosity[a - first] -= kernel * volume;
+                        sums[a - first] += kernel * one;
+                    },
+                );
+                for (k, share) in porosity.iter_mut().enumerate() {
+                    fits[k] = 1.0;
+                    if *share < LEAST_POROSITY {
+                        fits[k] = (1.0 - LEAST_POROSITY) / (1.0 - *share);
+                        *share = LEAST_POROSITY;
+                    }
+                    sums[k] *= volume[first + k];
+                }
+            });
     }
 
     /// Forces on both, from the accelerations of the water by everything else; `dry` is that of the blocks.
@@ -253,6 +336,8 @@ impl AveragedGrains {
             pairs,
             wet,
             on_grains,
+            fits,
+            volume,
             sums,
             dt,
             ..
@@ -260,6 +345,8 @@ impl AveragedGrains {
         let moving = Moving {
             fluid,
             settings,
+            fits,
+            volume,
             sums,
             dt: *dt,
         };
@@ -287,10 +374,9 @@ impl AveragedGrains {
         let (pairs, on_grains) = (&*pairs, &*on_grains);
         let of_grain = |g: usize| {
             let per_sum = -1.0 / pairs.filled_of(g);
-            [on_grains[g].pressure * per_sum, on_grains[g].drag * per_sum]
+            [on_grains[g].added * per_sum, on_grains[g].drag * per_sum]
         };
-        let particles = fluid.particles();
-        self.on_water.resize(particles.len(), OnWater::default());
+        self.on_water.resize(volume.len(), OnWater::default());
         self.on_water
             .par_chunks_mut(pairs::RANGE)
             .enumerate()
@@ -300,24 +386,29 @@ impl AveragedGrains {
                 pairs.for_each_in(
                     first..first + out.len(),
                     of_grain,
-                    |a, kernel, [pressure, drag]| {
-                        out[a - first][0] += pressure * kernel;
+                    |a, kernel, [added, drag]| {
+                        out[a - first][0] += added * kernel;
                         out[a - first][1] += drag * kernel;
                     },
                 );
-                for (k, forces) in out.iter_mut().enumerate() {
-                    let volume = particles.mass[first + k] / particles.density[first + k];
-                    *forces = forces.map(|force| force * volume);
+                for (forces, volume) in out.iter_mut().zip(&volume[first..]) {
+                    *forces = forces.map(|force| force * *volume);
                 }
             });
+        fluid.leave_grains_their_share();
         let is_pushed = |forces: &OnWater| forces != &OnWater::default();
         let given = self.on_water.iter().enumerate();
         fluid.add_forces(given.filter(|(_, forces)| is_pushed(forces)).map(
-            |(a, [pressure, drag])| ParticleForce {
+            |(a, [added, drag])| ParticleForce {
                 particle: a as u32,
-                force: pressure + drag,
+                force: added + drag,
             },
         ));
+    }
+
+    /// Kinetic energy of the water that is accelerated with the grains; J.
+    pub(crate) fn added_energy(&self) -> f64 {
+        self.on_grains.iter().map(|on| on.added_energy).sum()
     }
 
     /// Power of the present forces at the present velocities.
@@ -336,16 +427,17 @@ impl AveragedGrains {
             .map(of_chunk)
             .collect();
         let mut power = Power::default();
-        for [pressure, drag] in parts {
-            power.pressure += pressure;
+        for [added, drag] in parts {
+            power.added += added;
             power.drag -= drag;
         }
         for (block, on_grain) in self.forces() {
             let v = blocks.velocity(block);
-            power.pressure += on_grain.pressure.dot(&v);
+            power.added += on_grain.added.dot(&v);
+            power.viscous -= on_grain.viscous.dot(&v);
             power.drag -= on_grain.drag.dot(&v);
             if !blocks.is_free(block) {
-                let force = on_grain.pressure + on_grain.drag;
+                let force = on_grain.total();
                 power.by_prescribed -= force.dot(&v);
                 power.held -= force;
             }
@@ -360,14 +452,17 @@ impl AveragedGrains {
 
     /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
-        let state = (&self.on_grains, &self.on_water, self.dt, self.compressed);
+        let forces = (&self.on_grains, &self.on_water);
+        let state = (forces, self.dt, self.compressed);
         postcard::to_extend(&state, out)
     }
 
     /// Takes it over again.
     pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let (state, rest) = postcard::take_from_bytes(bytes)?;
-        (self.on_grains, self.on_water, self.dt, self.compressed) = state;
+        let forces;
+        (forces, self.dt, self.compressed) = state;
+        (self.on_grains, self.on_water) = forces;
         match self.on_grains.len() == self.grains.len() {
             true => Ok(rest),
             false => Err(postcard::Error::DeserializeBadEncoding),
@@ -389,8 +484,10 @@ struct Body {
 struct Around {
     /// m/s.
     velocity: Vec3,
-    /// Force per volume of pressure and stress; N/m³.
-    stress: Vec3,
+    /// Force per volume of pressure, of what fits; N/m³.
+    pressure: Vec3,
+    /// That of viscosity; N/m³.
+    viscous: Vec3,
     /// Acceleration without drag; m/s².
     acceleration: Vec3,
     /// Share of water, with that of the grain itself as its neighbors let it count; –.
@@ -403,6 +500,8 @@ struct Around {
 struct Moving<'a> {
     fluid: &'a Fluid,
     settings: &'a Settings,
+    fits: &'a [f64],
+    volume: &'a [f64],
     sums: &'a [f64],
     dt: f64,
 }
@@ -416,12 +515,15 @@ impl Moving<'_> {
         let sum = pairs.filled_of(g);
         let per_sum = grain.volume * wet / sum;
         pairs.for_each_of(g, |a, kernel| {
-            let (mass, density) = (particles.mass[a], particles.density[a]);
-            let weight = mass / density * kernel / sum;
+            let (mass, share) = (particles.mass[a], kernel / sum);
+            let weight = self.volume[a] * share;
             let porosity = particles.porosity_of(a);
             let by_water = particles.acceleration[a] - gravity;
             around.velocity += particles.velocity[a] * weight;
-            around.stress += by_water * (density * weight);
+            let by_viscosity = Vec3::from(particles.viscous_acceleration[a].map(f64::from));
+            let share = mass * share * self.fits[a];
+            around.pressure += (by_water - by_viscosity) * share;
+            around.viscous += by_viscosity * share;
             around.acceleration += (gravity + by_water * porosity) * weight;
             around.inverse_mass += weight * self.sums[a] / mass;
             filled += (1.0 - porosity) * weight;
@@ -443,11 +545,12 @@ impl Moving<'_> {
             true => 0.5 * water.density * grain.volume * wet,
             false => 0.0,
         };
-        let stress = around.stress * (grain.volume * wet);
+        let [pressure, viscous] =
+            [around.pressure, around.viscous].map(|force| force * (grain.volume * wet));
         let (start, driven, inverse_mass) = match body.is_free {
             true => (
                 body.velocity - body.dry * dt,
-                body.dry + stress / grain.mass,
+                body.dry + (pressure + viscous) / grain.mass,
                 1.0 / grain.mass,
             ),
             false => (body.velocity, Vec3::zeros(), 0.0),
@@ -457,15 +560,23 @@ impl Moving<'_> {
         let inertia = 1.0 + added * inverse_mass;
         let slip = around.velocity - start;
         let drive = (around.acceleration - driven) / inertia;
-        let speed = (slip + drive * (0.5 * dt)).norm();
-        let resistance =
-            wet * (settings.drag).resistance(&water, grain.diameter, around.porosity, speed);
-        let [relaxed, followed] = relaxation(dt * resistance * inverse_mass / inertia);
-        let drag = (slip * relaxed + drive * (dt * followed)) * resistance;
+        // of the mean slip over the step, which follows from the resistance at it
+        let (mut mean, mut resistance) = (slip, 0.0);
+        for _ in 0..N_SLIPS {
+            let speed = mean.norm();
+            resistance =
+                wet * (settings.drag).resistance(&water, grain.diameter, around.porosity, speed);
+            let [relaxed, followed] = relaxation(dt * resistance * inverse_mass / inertia);
+            mean = slip * relaxed + drive * (dt * followed);
+        }
+        let drag = mean * resistance;
         // half the water of the grain's volume has the mean acceleration of the slip over the step
         let of_slip = drive - drag * (inverse_mass / inertia);
         OnGrain {
-            pressure: stress + of_slip * added,
+            pressure,
+            viscous,
+            added: of_slip * added,
+            added_energy: 0.5 * added * (around.velocity - body.velocity).norm_squared(),
             drag,
         }
     }

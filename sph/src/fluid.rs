@@ -117,8 +117,8 @@ pub struct Fluid {
     pub(crate) diffusive_loss: f64,
     /// Energy of compression withheld from crowded particles since the ledger was opened; J.
     withheld_loss: f64,
-    /// Energy of compression that went to grains which share the volume of the water since the ledger was opened; J.
-    to_grains: f64,
+    /// Energy from the pressure of walls through grains that share the volume of the fluid since the ledger was opened; J.
+    from_walls_by_grains: f64,
     removed: Removed,
     /// Force of the planes of symmetry at the last evaluation; N.
     pub(crate) plane_force: Vec3,
@@ -200,7 +200,7 @@ impl Fluid {
             from_walls: 0.0,
             diffusive_loss: 0.0,
             withheld_loss: 0.0,
-            to_grains: 0.0,
+            from_walls_by_grains: 0.0,
             removed: Removed::default(),
             plane_force: Vec3::zeros(),
             reflected: Vec3::zeros(),

@@ -34,6 +34,11 @@ pub struct Particles {
     pub bulk_pressure: Vec<f64>,
     /// Share of its volume that water fills, where grains fill the rest; moved by sorting, empty without such grains; –.
     pub porosity: Vec<f64>,
+    /// Mass of water per volume as its own flow alone carries it, to which `density` is drawn; moved by sorting, empty without such
+    /// grains; kg/m³.
+    pub carried: Vec<f64>,
+    /// Flux of these grains, volume per area and time; moved by sorting, empty without such grains; m/s.
+    pub grain_flux: Vec<Vec3>,
     /// Numbers given so far.
     n_made: u32,
 }
@@ -56,6 +61,8 @@ impl Particles {
             viscosity: Vec::new(),
             bulk_pressure: Vec::new(),
             porosity: Vec::new(),
+            carried: Vec::new(),
+            grain_flux: Vec::new(),
             n_made: n as u32,
         }
     }
@@ -80,6 +87,12 @@ impl Particles {
         if !self.porosity.is_empty() {
             self.porosity.push(1.0);
         }
+        if !self.carried.is_empty() {
+            self.carried.push(density);
+        }
+        if !self.grain_flux.is_empty() {
+            self.grain_flux.push(Vec3::zeros());
+        }
     }
 
     /// Share of the volume of a particle that water fills; –.
@@ -92,6 +105,31 @@ impl Particles {
     #[inline]
     pub fn water_density(&self, particle: usize) -> f64 {
         self.density[particle] / self.porosity_of(particle)
+    }
+
+    /// Volume that a particle takes with the grains in it, as its own flow has carried it; m³.
+    #[inline]
+    pub fn volume_with_grains(&self, particle: usize) -> f64 {
+        let carried = self.carried.get(particle);
+        self.mass[particle] / carried.unwrap_or(&self.density[particle])
+    }
+
+    /// Sets the density of the water itself; kg/m³.
+    pub(crate) fn set_water_density(&mut self, particle: usize, density: f64) {
+        let carried = density * self.porosity_of(particle);
+        self.density[particle] = carried;
+        if let Some(by_flow) = self.carried.get_mut(particle) {
+            *by_flow = carried;
+        }
+    }
+
+    /// Flux of water and grains together: volume per area and time; m/s.
+    #[inline]
+    pub fn flux(&self, particle: usize) -> Vec3 {
+        match self.grain_flux.get(particle) {
+            None => self.velocity[particle],
+            Some(of_grains) => self.velocity[particle] * self.porosity_of(particle) + of_grains,
+        }
     }
 
     /// Number of particles.
@@ -121,6 +159,8 @@ impl Particles {
             viscosity,
             bulk_pressure,
             porosity,
+            carried,
+            grain_flux,
             n_made,
         } = self;
         let n = id.len();
@@ -135,9 +175,10 @@ impl Particles {
             kind.len(),
         ];
         lengths.iter().all(|&length| length == n)
-            && [shear_rate, viscosity, bulk_pressure, porosity]
+            && [shear_rate, viscosity, bulk_pressure, porosity, carried]
                 .iter()
                 .all(|column| [0, n].contains(&column.len()))
+            && [0, n].contains(&grain_flux.len())
             && id.iter().all(|&id| u32::from(id) < *n_made)
     }
 
@@ -158,6 +199,8 @@ impl Particles {
             viscosity,
             bulk_pressure,
             porosity,
+            carried,
+            grain_flux,
             n_made: _,
         } = self;
         filter(id, keep);
@@ -173,6 +216,8 @@ impl Particles {
         filter(viscosity, keep);
         filter(bulk_pressure, keep);
         filter(porosity, keep);
+        filter(carried, keep);
+        filter(grain_flux, keep);
     }
 }
 

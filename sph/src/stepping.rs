@@ -135,6 +135,11 @@ impl Fluid {
         boundary.ended(Phase::Integration);
         self.sorted(boundary)?;
         boundary.place(self, Stage::Midpoint, dt);
+        if self.is_shared() {
+            self.update_rates_of(true);
+            boundary.density_rates(self);
+            self.keep_compression_of_water();
+        }
         self.update_rates();
         boundary.ended(Phase::Density);
         boundary.density_rates(self);

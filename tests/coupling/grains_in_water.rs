@@ -180,6 +180,28 @@ fn exchange_conserves_momentum() {
     assert!(change < 1e-12, "{change:e}");
 }
 
+/// What grains and water lose in such a box is what drag, viscosity and diffusion take, but for an error of the step that falls with it.
+#[test]
+fn exchange_keeps_the_energy_account() {
+    let unexplained = |factor: f64| {
+        let mut mixture = suspension(0.055, "");
+        let within = [[0.15; 3], [0.35; 3]];
+        mixture.grains = grains_in(within, 0.04, 0.055, "velocity: (0.4, -0.3, 0.2), ");
+        mixture.numerics += &format!(", precision: Double, time_step_factor: {factor}");
+        let mut world = mixture.world();
+        advance(&mut world, 0.3, 10.0, |_| ());
+        let energy = world.energy();
+        [energy.residual, energy.at_grains].map(|part| part / energy.lost())
+    };
+    let whole = unexplained(1.0);
+    let fifth = unexplained(0.2);
+    // measured 0.0085 and -0.003, 0.0016 and 0.0009: drag and added mass take the slip at one end of a step
+    for (found, bound) in [(whole, 0.015), (fifth, 0.003)] {
+        assert!(found.iter().all(|part| part.abs() < bound), "{found:?}");
+    }
+    assert!(3.0 * fifth[0].abs() < whole[0].abs(), "{whole:?} {fifth:?}");
+}
+
 /// A uniform slip relaxes as `e^{−t/τ}`, in steps far below `τ` and far above it, to the speed that momentum leaves.
 #[test]
 fn uniform_slip_relaxes_exactly() {
@@ -256,7 +278,7 @@ fn a_fixed_bed_stands_in_still_water() {
     });
     // without grains the same tank has currents of 0.11 of it, by the arrangement of its particles
     let wave = (9.81 * depth).sqrt();
-    assert!(fastest < 0.25 * wave, "{}", fastest / wave);
+    assert!(fastest < 0.13 * wave, "{}", fastest / wave);
     // of the pressure in weakly compressible water that rings
     let force = force / n / (volume * 1000.0 * 9.81);
     let pressure = pressure / n / (1000.0 * 9.81 * (depth - 2.0 * spacing));
@@ -298,9 +320,9 @@ fn water_seeps_through_a_bed_by_its_drag() {
         });
         advance(&mut world, 0.8, 10.0, |_| ());
         let superficial = 0.4 * water_velocity(&world).x;
-        // 2 % of the averages; of the speed half as much, where drag grows with its square
+        // of the averages over a lattice; the number is given to four digits
         assert!(
-            (superficial / 0.01 - 1.0).abs() < 0.02,
+            (superficial / 0.01 - 1.0).abs() < 3e-3,
             "{drag} {superficial}"
         );
     }
@@ -393,7 +415,7 @@ fn a_block_of_grains_settles_at_the_hindered_speed() {
     });
     let found = sum / n;
     // Wen & Yu's law at this porosity; the number of grains is that of whole rows
-    assert!((found / 0.074357 - 1.0).abs() < 0.08, "{found}");
+    assert!((found / 0.074357 - 1.0).abs() < 0.05, "{found}");
 }
 
 /// Grains that fall into a tank raise its level by their volume; the energy account closes.
@@ -440,9 +462,9 @@ fn grains_that_sink_raise_the_level() {
     let energy = world.energy();
     let lost = energy.lost();
     assert!(0.5 * lost < energy.drag, "{energy:?}");
-    // an impact at ten rows of depth, measured 0.15: the averaged pressure's part of the exchange follows from no energy
+    // an impact at ten rows of depth, measured 0.10: sound of the impact, and grains that get wet at once
     assert!(
-        (energy.residual + energy.at_grains).abs() < 0.2 * lost,
+        (energy.residual + energy.at_grains).abs() < 0.13 * lost,
         "{energy:?}"
     );
 }

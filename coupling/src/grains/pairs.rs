@@ -174,7 +174,7 @@ impl Chunk {
                         let value = (value + of_images) as f32;
                         self.water.push(a as u32);
                         self.kernel.push(value);
-                        filled += particles.mass[a] / particles.density[a] * f64::from(value);
+                        filled += particles.volume_with_grains(a) * f64::from(value);
                     }
                 }
             }

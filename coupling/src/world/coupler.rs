@@ -130,6 +130,16 @@ impl Coupler<'_> {
         }
     }
 
+    /// Finds water around grains, its porosity and their flux, `over` (s) after the last time at the end of a step.
+    fn find_grains(&mut self, fluid: &mut Fluid, over: f64) {
+        let Some(grains) = &mut *self.grains else {
+            return;
+        };
+        grains.find(fluid, (self.rock.blocks, self.rock.are_held()), over);
+        self.rock.progress.ledger.compress(grains.take_compressed());
+        self.summed();
+    }
+
     fn book_walls(&mut self, fluid: &Fluid, dt: f64) {
         if self.rock.are_held() {
             return;
@@ -219,6 +229,9 @@ impl Boundary for Coupler<'_> {
             walls.find(fluid);
         }
         self.searched();
+        if stage == Stage::Midpoint {
+            self.find_grains(fluid, 0.0);
+        }
     }
 
     fn find(&mut self, fluid: &mut Fluid) {
@@ -231,9 +244,8 @@ impl Boundary for Coupler<'_> {
 
     fn hold(&mut self, fluid: &mut Fluid, stage: Stage, dt: f64) {
         if let Some(grains) = &mut *self.grains {
-            grains.find(fluid, self.rock.blocks, dt);
-            self.rock.progress.ledger.compress(grains.take_compressed());
-            self.summed();
+            grains.set_step(fluid, dt);
+            self.find_grains(fluid, dt);
         }
         let imposed = self.openings.hold(fluid, self.time() + dt);
         // not booked half way: the corrector starts again from the start
@@ -301,8 +313,8 @@ impl Boundary for Coupler<'_> {
         let held = self.rock.are_held();
         grains.update(fluid, self.rock.blocks, (&self.rock.bodies.dry, held));
         for (block, on_grain) in grains.forces() {
-            let force = on_grain.pressure + on_grain.drag;
-            self.interface.add_force(block, force, on_grain.drag);
+            self.interface
+                .add_force(block, on_grain.total(), on_grain.drag);
         }
         self.summed();
     }

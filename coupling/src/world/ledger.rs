@@ -82,8 +82,8 @@ energy_terms! {
     /// blocks, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is extrapolated from the water and its work is not stored: an
     /// error of the walls, which decreases with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
     at_walls,
-    /// Energy introduced by the averaged pressure on grains: its work on grains and water, which is not quite what their motion
-    /// takes from the compression of the water: an error of the averages, which decreases with the spacing.
+    /// Energy introduced at grains by their averages: by the room that they take and the water that they carry along at once as they get wet,
+    /// and by averages that reach walls before the grains do.
     at_grains,
     /// Energy unexplained by the terms above since the start: the error of the scheme.
     residual,
@@ -148,8 +148,12 @@ pub(crate) struct Ledger {
     dragged: f64,
     /// Taken by drag of grains; J.
     drag: f64,
-    /// Brought in by the averaged pressure on grains; J.
+    /// Taken from grains by the viscosity of the water that they share their volume with; J.
+    viscous_at_grains: f64,
+    /// Brought in by grains as they get wet, and given by water that is accelerated with them, its own energy not counted; J.
     at_grains: f64,
+    /// Kinetic energy of water that was accelerated with grains at the start; J.
+    added_at_start: f64,
 }
 
 impl Ledger {
@@ -178,7 +182,7 @@ impl Ledger {
         self.joint_water += joints.power_on_free_blocks(blocks) * dt;
     }
 
-    /// Books the energy of compression (J) that grains brought into the water by the room they take.
+    /// Books the energy of compression (J) that grains brought into the water as they got wet.
     pub(crate) fn compress(&mut self, brought: f64) {
         self.at_grains += brought;
     }
@@ -193,7 +197,8 @@ impl Ledger {
     ) {
         let power = grains.power(fluid, blocks);
         self.drag += power.drag * dt;
-        self.at_grains += power.pressure * dt;
+        self.at_grains += power.added * dt;
+        self.viscous_at_grains += power.viscous * dt;
         self.wall_work += power.by_prescribed * dt;
         self.impulse += power.held * dt;
         self.exchanged += power.held.norm() * dt;
@@ -287,6 +292,9 @@ impl World {
             water.fluid.open_ledger();
         }
         self.progress.ledger = Ledger::default();
+        let grains = self.water.as_ref().and_then(|water| water.grains.as_ref());
+        let added = grains.map_or(0.0, AveragedGrains::added_energy);
+        self.progress.ledger.added_at_start = added;
         self.progress.ledger.stored_at_start = self.energy().stored();
         self.progress.ledger.momentum_at_start = self.momentum() - self.blocks.support_impulse();
     }
@@ -320,13 +328,21 @@ impl World {
             energy.kinetic += fluid.kinetic;
             energy.potential += fluid.potential;
             energy.internal = fluid.internal;
-            energy.viscous = fluid.viscous + self.progress.ledger.dragged;
+            energy.viscous = fluid.viscous
+                + self.progress.ledger.dragged
+                + self.progress.ledger.viscous_at_grains;
             if water.walls.is_some() && water.fluid.advances_density() {
                 energy.at_walls = water.fluid.energy_from_walls() - self.progress.ledger.pressed;
             }
             energy.bulk = fluid.bulk;
             energy.drag = self.progress.ledger.drag;
-            energy.at_grains = self.progress.ledger.at_grains - water.fluid.energy_to_grains();
+            if let Some(grains) = &water.grains {
+                let (added, ledger) = (grains.added_energy(), &self.progress.ledger);
+                energy.kinetic += added;
+                energy.at_grains = ledger.at_grains
+                    + water.fluid.energy_from_walls_by_grains()
+                    + (added - ledger.added_at_start);
+            }
             energy.diffusive = fluid.diffusive;
             energy.pushed_back += water.fluid.withheld_loss();
             energy.removed += fluid.removed;

@@ -26,7 +26,7 @@ const CROWDED: f64 = 1.25;
 /// dρ/dt = (c/c₀)² (dρ/dt)_flow + c/c₀ (dρ/dt)_diffusion
 /// ```
 /// below that of the lattice by the margin of the step. Forces remain equal and opposite.
-fn slowed_sound(concentration: f64) -> f64 {
+pub(super) fn slowed_sound(concentration: f64) -> f64 {
     if CROWDED < concentration {
         (CROWDED / concentration).powf(1.5)
     } else {
@@ -41,10 +41,28 @@ pub(crate) struct Compression {
     pub diffusive_loss: f64,
     /// Brought in by walls.
     pub by_walls: f64,
+    /// The same through grains.
+    pub by_walls_on_grains: f64,
     /// Of the flow, and withheld from crowded particles.
     pub withheld: f64,
-    /// Of the flow of water and grains together, the part of the grains.
-    pub to_grains: f64,
+}
+
+/// Power of the pressure of walls on the flow of the water, and what grains in it add to it; W.
+#[derive(Clone, Copy, Default)]
+struct PushPower {
+    of_water: f64,
+    by_grains: f64,
+}
+
+impl std::ops::Add for PushPower {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            of_water: self.of_water + other.of_water,
+            by_grains: self.by_grains + other.by_grains,
+        }
+    }
 }
 
 impl Fluid {
@@ -104,19 +122,20 @@ impl Fluid {
         if !self.advances_density() {
             return;
         }
-        let Particles {
-            velocity,
-            acceleration,
-            mass,
-            ..
-        } = &self.particles;
+        let particles = &self.particles;
         let pushes = &self.scratch.pushes;
         let power = fixed_order_sum(pushes.len(), |k| {
             let (a, push) = (pushes[k].0 as usize, &pushes[k].1);
-            let mean = velocity[a] - acceleration[a] * (0.5 * dt);
-            mass[a] * push.dot(&mean)
+            let change = particles.acceleration[a] * (0.5 * dt);
+            let of_water = particles.mass[a] * push.dot(&(particles.velocity[a] - change));
+            let mean = particles.flux(a) - change * particles.porosity_of(a);
+            PushPower {
+                of_water,
+                by_grains: particles.mass[a] * push.dot(&mean) - of_water,
+            }
         });
-        self.from_walls += power * dt;
+        self.from_walls += power.of_water * dt;
+        self.from_walls_by_grains += power.by_grains * dt;
     }
 
     /// Moves the particles by `dt` times their velocities.
@@ -148,13 +167,14 @@ impl Fluid {
     pub fn advance_density(&mut self, dt: f64) {
         let change = self.integrate_density(|_, _, _| dt);
         self.book_compression(change);
+        self.carry(dt);
     }
 
     pub(crate) fn book_compression(&mut self, change: Compression) {
         self.diffusive_loss += change.diffusive_loss;
         self.from_walls += change.by_walls;
+        self.from_walls_by_grains += change.by_walls_on_grains;
         self.withheld_loss += change.withheld;
-        self.to_grains += change.to_grains;
     }
 
     /// Advances the density, each particle by the time that `time` makes of its index, density and rate; returns the
@@ -173,6 +193,7 @@ impl Fluid {
         let porosity = |a: usize| porosity.get(a).copied().unwrap_or(1.0);
         let n_dimensions = self.settings.dimensions.count();
         let still = Still::of(self.sleep.as_deref());
+        let alone = &self.scratch.water_alone;
         let changes = &mut self.scratch.changes;
         changes.resize(density.len().div_ceil(CHUNK), Compression::default());
         density
@@ -195,9 +216,11 @@ impl Fluid {
                         continue;
                     }
                     let sound = slowed_sound(rate.crowding / n_dimensions);
-                    let withheld = (1.0 - sound * sound) * rate.flow;
+                    // what comes in compresses the water alone
+                    let flow = rate.flow / porosity;
+                    let withheld = (1.0 - sound * sound) * flow;
                     let diffusion = sound * rate.diffusion;
-                    let total = rate.flow - withheld + diffusion;
+                    let total = flow - withheld + diffusion;
                     let dt = time(a, *density, total);
                     let change = total * dt;
                     // de = p/ρ² dρ, at the middle of the change
@@ -205,9 +228,12 @@ impl Fluid {
                     let slope =
                         mass * state.pressure(middle / porosity) * porosity / (middle * middle);
                     booked.diffusive_loss -= slope * diffusion * dt;
-                    // pressure works on the volume of both, and compresses only the water
-                    booked.by_walls += slope * rate.by_walls / porosity * dt;
-                    booked.to_grains += slope * rate.flow * (1.0 / porosity - 1.0) * dt;
+                    let by_walls = match alone.get(a) {
+                        None => rate.by_walls,
+                        Some(alone) => alone.by_walls,
+                    };
+                    booked.by_walls += slope * by_walls / porosity * dt;
+                    booked.by_walls_on_grains += slope * (rate.by_walls - by_walls) / porosity * dt;
                     booked.withheld += slope * withheld * dt;
                     *density += change;
                 }
@@ -216,8 +242,8 @@ impl Fluid {
         changes.iter().fold(none, |sum, change| Compression {
             diffusive_loss: sum.diffusive_loss + change.diffusive_loss,
             by_walls: sum.by_walls + change.by_walls,
+            by_walls_on_grains: sum.by_walls_on_grains + change.by_walls_on_grains,
             withheld: sum.withheld + change.withheld,
-            to_grains: sum.to_grains + change.to_grains,
         })
     }
 
@@ -262,7 +288,7 @@ impl Fluid {
         if density <= limit || self.settings.scheme.density != DensityMethod::Continuity {
             return None;
         }
-        self.particles.density[particle] = limit * self.particles.porosity_of(particle);
+        self.particles.set_water_density(particle, limit);
         let shrunk = 1.0 / limit - 1.0 / density;
         Some(self.state.pressure(limit) * shrunk * self.particles.mass[particle])
     }

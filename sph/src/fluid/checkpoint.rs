@@ -36,7 +36,7 @@ impl Fluid {
             from_walls,
             diffusive_loss,
             withheld_loss,
-            to_grains,
+            from_walls_by_grains,
             removed,
             plane_force,
             reflected,
@@ -61,13 +61,8 @@ impl Fluid {
         let listed = lists.made_from().filter(|_| self.is_sorted());
         let listed = listed.map(|(places, radius)| (Quanta(places), radius));
         let out = postcard::to_extend(&listed, out)?;
-        let losses = (
-            viscous_loss,
-            bulk_loss,
-            diffusive_loss,
-            (withheld_loss, to_grains),
-        );
-        let energies = (losses, from_walls);
+        let losses = (viscous_loss, bulk_loss, diffusive_loss, withheld_loss);
+        let energies = (losses, (from_walls, from_walls_by_grains));
         let momenta = (removed, plane_force, reflected);
         let rest = (moved, skin, max_speed, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
@@ -118,8 +113,8 @@ impl Fluid {
         }
         let ((viscous, bulk, diffusive, withheld), from_walls) = energies;
         (self.viscous_loss, self.bulk_loss) = (viscous, bulk);
-        (self.diffusive_loss, (self.withheld_loss, self.to_grains)) = (diffusive, withheld);
-        self.from_walls = from_walls;
+        (self.diffusive_loss, self.withheld_loss) = (diffusive, withheld);
+        (self.from_walls, self.from_walls_by_grains) = from_walls;
         (self.removed, self.plane_force, self.reflected) = momenta;
         let (last, bytes) = postcard::take_from_bytes(bytes)?;
         (self.scratch.pushes, self.scratch.rates, self.sleep) = last;

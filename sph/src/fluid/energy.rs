@@ -167,16 +167,15 @@ impl Fluid {
         self.withheld_loss
     }
 
-    /// Energy of compression that went to grains which share the volume of the water since the ledger was opened: the work of its
-    /// pressure on their part of the volume; J.
-    pub fn energy_to_grains(&self) -> f64 {
-        self.to_grains
-    }
-
     /// Energy that the fluid has from the pressure of walls since the ledger was opened, where density is advanced: of
     /// motion by their forces and of compression by their part of the rates; J.
     pub fn energy_from_walls(&self) -> f64 {
         self.from_walls
+    }
+
+    /// The same through the flux of grains that share the volume of the fluid: their averages reach walls before they do; J.
+    pub fn energy_from_walls_by_grains(&self) -> f64 {
+        self.from_walls_by_grains
     }
 
     /// Resets the ledger at the start of a run.
@@ -186,7 +185,7 @@ impl Fluid {
         self.from_walls = 0.0;
         self.diffusive_loss = 0.0;
         self.withheld_loss = 0.0;
-        self.to_grains = 0.0;
+        self.from_walls_by_grains = 0.0;
         self.removed = Removed::default();
         self.reflected = Vec3::zeros();
     }

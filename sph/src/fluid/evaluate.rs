@@ -29,7 +29,12 @@ impl Fluid {
 
     /// Rates of density from neighbors in the fluid, at the present positions and velocities.
     pub fn update_rates(&mut self) {
-        self.update_water_densities();
+        self.update_rates_of(false);
+    }
+
+    /// The same of the flow of the water alone, where grains share its volume.
+    pub(crate) fn update_rates_of(&mut self, water_alone: bool) {
+        self.update_shared(water_alone);
         if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
             sums::density_gradients(self);
         }

@@ -131,7 +131,7 @@ impl Fluid {
             sum.energy += 0.5 * mass * (one.velocity.norm_squared() - before.norm_squared());
             if let Some(density) = one.density {
                 let before = self.particles.water_density(a);
-                self.particles.density[a] = density * self.particles.porosity_of(a);
+                self.particles.set_water_density(a, density);
                 sum.energy += mass
                     * (self.state.specific_energy(density) - self.state.specific_energy(before));
             }

@@ -1,19 +1,26 @@
 //! Water that shares its volume with grains too small for its particles to flow around.
 //!
 //! ```text
-//! ρ̃ = ε ρ                     carried by the particles: mass of water per volume, grains included         [kg/m³]
-//! dρ̃/dt = ρ̃ Σ V_b v_ab·∇W,    V = m/ρ̃
-//! p = p(ρ̃/ε)                  pressure of the water itself                                                [Pa]
+//! ρ̃ = ε ρ                                   carried by the particles: mass of water per volume, grains included   [kg/m³]
+//! U_a = ε_a u_a + Σ_j φ_aj v_j,   Σ_j φ_aj = 1 − ε_a                          flux of water and grains together   [m/s]
+//! ε dρ/dt = ρ Σ_b V_b U_ab·∇W,    V = m/ρ̃                                    density of the water itself          [kg/(m³ s)]
+//! S_a = −Σ_b V_b (p_a + p_b) ∇W + ∇·τ                                         force per volume                    [N/m³]
+//! ε_a V_a S_a   on the water,     Σ_a φ_aj V_a S_a   on grain j                                                   [N]
 //! ```
-//! Pair forces act on volumes that fill all space. The part of the pressure's force that belongs to the grains is given to
-//! them, and taken from the water, by whoever knows the grains: equations of Anderson & Jackson (1967), with particles after
-//! Robinson, Ramaioli & Luding (2014). Density diffusion acts on the density of the water, which does not jump at the edge of
-//! a bed of grains, as that of the mixture does.
+//! Water and grains share the force on their place by their shares of it, and the volume that both bring in there compresses the water:
+//! the one is the work of the other, `Σ V_a S_a·U_a`, so that momentum and energy are exchanged without loss however unevenly grains lie.
+//! At rest the pressure is that of the water alone, whatever the porosity. Sound runs as in the water alone.
+//!
+//! Sources: Anderson & Jackson (1967), equations; Robinson, Ramaioli & Luding (2014), with particles, whose density follows the porosity
+//! itself. Density diffusion acts on the density of the water, which does not jump at the edge of a bed of grains, as that of the
+//! mixture does.
 
 use rayon::prelude::*;
 
+use crate::fluid::advance::{FEWEST_NEIGHBORS, slowed_sound};
 use crate::fluid::energy::fixed_order_sum;
-use crate::{CHUNK, Fluid};
+use crate::fluid::scratch::WaterAlone;
+use crate::{CHUNK, Fluid, Particles, Vec3};
 
 impl Fluid {
     /// Leaves room for grains in particles that were placed as if there were none: each loses the share of its mass that grains
@@ -27,37 +34,89 @@ impl Fluid {
         particles.porosity = porosity.to_vec();
     }
 
-    /// Takes over the porosity at the present positions, in the present order, above 0 (–). Density stays, and the pressure follows
-    /// with the next evaluation. Returns the energy of compression that grains brought in by it; J.
-    ///
-    /// ```text
-    /// Σ m (e(ρ̃/ε₁) − e(ρ̃/ε₀))
-    /// ```
-    pub fn set_porosity(&mut self, porosity: &[f64]) -> f64 {
-        let particles = &mut self.particles;
-        if particles.porosity.is_empty() && porosity.iter().all(|&share| share == 1.0) {
+    /// Takes over the porosity at the present positions, in the present order, above 0 (–). The density of the water itself stays, but
+    /// for the part `drawn` (–) of what parts it from that which its own flow has carried there. Returns the energy of compression that
+    /// this brought in; J.
+    pub fn set_porosity(&mut self, porosity: &[f64], drawn: f64) -> f64 {
+        let Particles {
+            density,
+            mass,
+            porosity: before,
+            carried,
+            grain_flux,
+            ..
+        } = &mut self.particles;
+        if before.is_empty() && porosity.iter().all(|&share| share == 1.0) {
             return 0.0;
         }
-        particles.porosity.resize(porosity.len(), 1.0);
-        let (state, before) = (&self.state, &particles.porosity);
+        before.resize(porosity.len(), 1.0);
+        grain_flux.resize(porosity.len(), Vec3::zeros());
+        if carried.is_empty() {
+            carried.clone_from(density);
+        }
+        let state = &self.state;
+        // before and after
+        let of_water = |a: usize, density: &[f64]| {
+            let present = density[a] / before[a];
+            [
+                present,
+                present + drawn * (carried[a] / porosity[a] - present),
+            ]
+        };
         let brought = fixed_order_sum(porosity.len(), |a| {
-            if before[a] == porosity[a] {
-                return 0.0;
-            }
-            let energy = |share: f64| state.specific_energy(particles.density[a] / share);
-            particles.mass[a] * (energy(porosity[a]) - energy(before[a]))
+            let [present, next] = of_water(a, density);
+            mass[a] * (state.specific_energy(next) - state.specific_energy(present))
         });
-        particles.porosity.copy_from_slice(porosity);
+        for a in 0..porosity.len() {
+            density[a] = of_water(a, density)[1] * porosity[a];
+        }
+        before.copy_from_slice(porosity);
         brought
     }
 
-    /// Smallest porosity of any particle; –.
-    pub fn least_porosity(&self) -> f64 {
-        let porosity = self.particles.porosity.par_iter().with_min_len(4096);
-        porosity.copied().reduce(|| 1.0, f64::min)
+    /// Takes over the flux of grains `Σ_j φ_aj v_j` of every particle, in the present order, after [`Self::set_porosity`]; m/s.
+    pub fn set_grain_flux(&mut self, flux: &[Vec3]) {
+        if !self.particles.porosity.is_empty() {
+            self.particles.grain_flux.copy_from_slice(flux);
+        }
     }
 
-    /// Densities of the water itself, after [`Self::update_water_densities`]; kg/m³.
+    /// Leaves the water its share of the forces of pressure and stress that act on its place; the grains have the rest. After
+    /// [`Self::set_porosity`] and all forces but those between water and grains.
+    pub fn leave_grains_their_share(&mut self) {
+        let gravity = self.settings.gravity;
+        let Particles {
+            porosity,
+            acceleration,
+            viscous_acceleration,
+            ..
+        } = &mut self.particles;
+        let all = porosity.iter().zip(acceleration).zip(viscous_acceleration);
+        for ((&share, acceleration), viscous) in all.filter(|((share, _), _)| **share < 1.0) {
+            *acceleration = gravity + (*acceleration - gravity) * share;
+            *viscous = viscous.map(|by_viscosity| by_viscosity * share as f32);
+        }
+    }
+
+    /// Advances by `dt` (s) what the flow of the water alone carries, with the diffusion of all.
+    pub(super) fn carry(&mut self, dt: f64) {
+        let n_dimensions = self.settings.dimensions.count();
+        let Particles {
+            density, carried, ..
+        } = &mut self.particles;
+        let rates = self.scratch.rates.iter().zip(&self.scratch.water_alone);
+        for ((carried, density), (rate, alone)) in carried.iter_mut().zip(density).zip(rates) {
+            if rate.n_found <= FEWEST_NEIGHBORS {
+                *carried = *density;
+                continue;
+            }
+            let sound = slowed_sound(rate.crowding / n_dimensions);
+            let flow = sound * sound * alone.compression * *carried;
+            *carried += (flow + sound * rate.diffusion) * dt;
+        }
+    }
+
+    /// Densities of the water itself, after [`Self::update_shared`]; kg/m³.
     pub(crate) fn water_densities(&self) -> &[f64] {
         match self.particles.porosity.is_empty() {
             true => &self.particles.density,
@@ -65,7 +124,13 @@ impl Fluid {
         }
     }
 
-    pub(crate) fn update_water_densities(&mut self) {
+    /// Whether grains share the volume of the fluid.
+    pub(crate) fn is_shared(&self) -> bool {
+        !self.particles.porosity.is_empty()
+    }
+
+    /// Densities of the water itself, and the flux that compresses it: that of water and grains together, or that of the `water` alone.
+    pub(crate) fn update_shared(&mut self, water_alone: bool) {
         let particles = &self.particles;
         if particles.porosity.is_empty() {
             return;
@@ -80,6 +145,33 @@ impl Fluid {
                     *density = particles.water_density(a);
                 }
             });
+        let fluxes = &mut self.scratch.fluxes;
+        fluxes.resize(particles.len(), Vec3::zeros());
+        match water_alone {
+            true => fluxes.copy_from_slice(&particles.velocity),
+            false => (0..)
+                .zip(fluxes)
+                .for_each(|(a, flux)| *flux = particles.flux(a)),
+        }
+    }
+
+    /// Keeps the rates of compression just found, walls included, as those of the flow of the water alone.
+    pub(crate) fn keep_compression_of_water(&mut self) {
+        let (rates, density) = (&self.scratch.rates, &self.particles.density);
+        let kept = &mut self.scratch.water_alone;
+        kept.clear();
+        kept.extend(rates.iter().zip(density).map(|(rate, rho)| WaterAlone {
+            compression: rate.flow / rho,
+            by_walls: rate.by_walls,
+        }));
+    }
+
+    /// Fluxes of water and grains together, after [`Self::update_shared`]; m/s.
+    pub(crate) fn fluxes(&self) -> &[Vec3] {
+        match self.particles.porosity.is_empty() {
+            true => &self.particles.velocity,
+            false => &self.scratch.fluxes,
+        }
     }
 
     /// Turns rates of the density of water into those of the density that particles carry.

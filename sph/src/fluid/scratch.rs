@@ -9,6 +9,15 @@ use crate::terms::continuity::Rate;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
 
+/// Rates of density of a particle by the flow of the water alone, between grains.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct WaterAlone {
+    /// 1/s.
+    pub compression: f64,
+    /// The part that walls make; kg/(m³ s).
+    pub by_walls: f64,
+}
+
 /// Memory that is written before it is read in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
@@ -20,6 +29,10 @@ pub(crate) struct Scratch {
     pub(crate) rates: Vec<Rate>,
     /// Densities of the water itself, where grains share its volume; kg/m³.
     pub(crate) water_densities: Vec<f64>,
+    /// Fluxes of water and these grains together; m/s.
+    pub(crate) fluxes: Vec<Vec3>,
+    /// Rates of density by the flow of the water alone, between such grains.
+    pub(crate) water_alone: Vec<WaterAlone>,
     pub(crate) forces: Vec<ForceDensity>,
     pub(crate) gradients: Vec<[f64; 3]>,
     pub(crate) strains: Vec<StrainSums>,

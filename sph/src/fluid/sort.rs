@@ -137,6 +137,8 @@ impl Fluid {
             kind,
             bulk_pressure,
             porosity,
+            carried,
+            grain_flux,
             ..
         } = &mut self.particles;
         reorder(position, order, vectors);
@@ -150,6 +152,12 @@ impl Fluid {
         }
         if !porosity.is_empty() {
             reorder(porosity, order, numbers);
+        }
+        if !carried.is_empty() {
+            reorder(carried, order, numbers);
+        }
+        if !grain_flux.is_empty() {
+            reorder(grain_flux, order, vectors);
         }
         let AtStart { velocity, density } = &mut self.at_start;
         if !velocity.is_empty() {

@@ -107,9 +107,12 @@ impl Fluid {
         self.lists = lists;
     }
 
-    /// Packs velocity, density minus the reference density, and volume.
+    /// Packs velocity, of water and grains together where both are, density minus the reference density, and volume.
     fn pack_flow(&mut self, points: &mut AnyPoints) {
+        // sums that read no velocity come before the first flux
         let p = &self.particles;
+        let flux = Some(self.fluxes()).filter(|flux| flux.len() == p.len());
+        let flux = flux.unwrap_or(&p.velocity);
         let reference = self.settings.reference_density;
         let still = Still::kept(self.sleep.as_deref(), |kept| kept.flow);
         points.pack_moving(
@@ -117,7 +120,7 @@ impl Fluid {
             &self.frame,
             (&p.position, still),
             |a| {
-                let (v, rho) = (p.velocity[a], p.density[a]);
+                let (v, rho) = (flux[a], p.density[a]);
                 [
                     v.x,
                     v.y,
@@ -251,7 +254,7 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
         |fluid, setup, out| {
             let rates = Rates {
                 own: RateOwn {
-                    velocity: &fluid.particles.velocity,
+                    velocity: fluid.fluxes(),
                     density: fluid.water_densities(),
                 },
                 gradients: &fluid.scratch.extra,

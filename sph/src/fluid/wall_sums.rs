@@ -150,7 +150,7 @@ fn across<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) {
 /// Rates of density of some particles from wall points, which hold velocity and volume.
 pub(crate) fn rates(fluid: &Fluid, walls: Neighborhood, near: Near, out: &mut [Rate]) {
     let own = RateOwn {
-        velocity: &fluid.particles.velocity,
+        velocity: fluid.fluxes(),
         density: &fluid.particles.density,
     };
     across(&fluid.to_some(walls, near), &WallRates { own }, out);

@@ -47,14 +47,12 @@ impl Fluid {
     /// lattice sound allows 1.75 h/c₀ without and 1.54 with the usual density diffusion. Viscosity
     /// allows 0.112 to 0.128 h²/ν along lines of centers, where one wave has all of the 2(d + 2), and
     /// 0.29 to 0.32 after Morris; a wall that does not slip mirrors velocities and takes some of that.
-    /// Between grains of porosity `ε` sound has a factor of `√ε`: their part of the pressure's force comes back averaged over a
-    /// wider kernel, and waves as short as a spacing run at `c₀/√ε`. That of the force is the customary one at a factor of 0.5. Where viscosity varies ν is the largest of
-    /// any particle over ρ₀. Implicit viscous steps have no limit of viscosity.
+    /// That of the force is the customary one at a factor of 0.5. Where viscosity varies ν is the largest of any particle over ρ₀. Implicit
+    /// viscous steps have no limit of viscosity.
     pub fn step_limits(&self) -> StepLimits {
         let s = &self.settings;
         StepLimits {
-            sound: s.time_step_factor * s.sound_length() * self.least_porosity().sqrt()
-                / (s.sound_speed + self.max_speed()),
+            sound: s.time_step_factor * s.sound_length() / (s.sound_speed + self.max_speed()),
             viscosity: match s.scheme.viscous_step {
                 ViscousStep::Implicit => f64::INFINITY,
                 ViscousStep::Explicit => s.viscous_limit(self.largest_kinematic_viscosity()),
