@@ -20,7 +20,7 @@ pub mod energy;
 mod evaluate;
 pub mod exchange;
 mod packing;
-mod porosity;
+pub(crate) mod porosity;
 pub mod sample;
 pub(crate) mod scratch;
 mod shifting;

@@ -10,6 +10,7 @@ mod symplectic_euler;
 
 use crate::Fluid;
 use crate::boundary::{Boundary, Phase, Stage};
+use crate::fluid::porosity::Flow;
 use crate::scheme::{Scheme, Stepping, ViscousStep};
 use crate::stability::share_left_by_bulk;
 
@@ -136,7 +137,7 @@ impl Fluid {
         self.sorted(boundary)?;
         boundary.place(self, Stage::Midpoint, dt);
         if self.is_shared() {
-            self.update_rates_of(true);
+            self.update_rates_of(Flow::Water);
             boundary.density_rates(self);
             self.keep_compression_of_water();
         }

@@ -416,6 +416,20 @@ fn still_water_bears_on_a_plate_with_its_hydrostatic_force() {
     assert_eq!(summary["passed_share"], Value::Null);
 }
 
+/// Cells of a plate one spacing thick: it hides the water from its own inside and from its other side, not from the places of its cells.
+#[test]
+fn a_thin_plate_has_wet_cells_on_its_wet_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let thin = TANK
+        .replace("max: (1.3, 0.7, 0.9)", "max: (1.05, 0.7, 0.9)")
+        .replace("duration: 1.2", "duration: 0.2");
+    let (summary, table, cells) = recorded(folder.path(), &thin);
+    assert_eq!(summary["fluid"]["first_arrival"], 0.0);
+    // of one instant, as the force of the last row is a mean of 0.1 s in water that has settled
+    let sum: f64 = of_cells(&cells, "FluidLastNormal").iter().sum();
+    check("cells", sum, last(&table, "fluid.normal"), 0.02);
+}
+
 /// Stopped within an impact, within a second of calm, and in water.
 #[test]
 fn a_resumed_run_has_the_same_records_of_barriers() {

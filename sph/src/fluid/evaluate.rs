@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::porosity::Flow;
 use crate::fluid::sums;
 use crate::neighbors::rest::Still;
 use crate::scheme::{DensityDiffusion, DensityMethod};
@@ -29,12 +30,12 @@ impl Fluid {
 
     /// Rates of density from neighbors in the fluid, at the present positions and velocities.
     pub fn update_rates(&mut self) {
-        self.update_rates_of(false);
+        self.update_rates_of(Flow::WaterAndGrains);
     }
 
-    /// The same of the flow of the water alone, where grains share its volume.
-    pub(crate) fn update_rates_of(&mut self, water_alone: bool) {
-        self.update_shared(water_alone);
+    /// The same of one of the flows, where grains share the volume.
+    pub(crate) fn update_rates_of(&mut self, flow: Flow) {
+        self.update_shared(flow);
         if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
             sums::density_gradients(self);
         }

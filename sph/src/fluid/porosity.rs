@@ -22,6 +22,15 @@ use crate::fluid::energy::fixed_order_sum;
 use crate::fluid::scratch::WaterAlone;
 use crate::{CHUNK, Fluid, Particles, Vec3};
 
+/// Flow through a place that water shares with grains.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Flow {
+    /// Of the water alone.
+    Water,
+    /// Of both together.
+    WaterAndGrains,
+}
+
 impl Fluid {
     /// Leaves room for grains in particles that were placed as if there were none: each loses the share of its mass that grains
     /// take, and keeps its pressure. `porosity` holds the share that remains, in the present order, above 0; –.
@@ -129,8 +138,8 @@ impl Fluid {
         !self.particles.porosity.is_empty()
     }
 
-    /// Densities of the water itself, and the flux that compresses it: that of water and grains together, or that of the `water` alone.
-    pub(crate) fn update_shared(&mut self, water_alone: bool) {
+    /// Densities of the water itself, and a flux that compresses it.
+    pub(crate) fn update_shared(&mut self, flow: Flow) {
         let particles = &self.particles;
         if particles.porosity.is_empty() {
             return;
@@ -147,9 +156,9 @@ impl Fluid {
             });
         let fluxes = &mut self.scratch.fluxes;
         fluxes.resize(particles.len(), Vec3::zeros());
-        match water_alone {
-            true => fluxes.copy_from_slice(&particles.velocity),
-            false => (0..)
+        match flow {
+            Flow::Water => fluxes.copy_from_slice(&particles.velocity),
+            Flow::WaterAndGrains => (0..)
                 .zip(fluxes)
                 .for_each(|(a, flux)| *flux = particles.flux(a)),
         }

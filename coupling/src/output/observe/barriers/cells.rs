@@ -14,6 +14,8 @@ use crate::scene::resolved::recording::Barrier;
 use crate::walls::face_lattice;
 use crate::world::Water;
 
+/// Distance of the places of pressure in front of their cells, × spacing: a thin solid hides the water from what is in it.
+const IN_FRONT: f64 = 0.01;
 /// Water fraction of the kernel support, `Σ V W`, below which a cell is dry; at a wetted plane wall it is one half.
 const DRY: f64 = 0.05;
 /// Cosine of the angle between a face and the flow from which on it looks upstream.
@@ -441,6 +443,7 @@ pub(super) struct Probe {
 impl Probe {
     fn find(&mut self, grid: &Grid, barrier: &Barrier, (water, blocks): (&Water, &Blocks)) {
         let (_, middle) = face_lattice(&water.fluid);
+        let clear = IN_FRONT * water.fluid.settings().mean_spacing();
         self.cells.clear();
         self.places.clear();
         for (cell, of_face) in (0..).zip(&grid.cells) {
@@ -451,9 +454,10 @@ impl Probe {
                 continue;
             }
             let b = barrier.blocks[face.block];
+            let place = center + face.normal * clear;
             let mut place = match blocks.is_fixed(b) {
-                true => center,
-                false => (blocks.pose(b) * nalgebra::Point3::from(center)).coords,
+                true => place,
+                false => (blocks.pose(b) * nalgebra::Point3::from(place)).coords,
             };
             place.y = middle.unwrap_or(place.y);
             self.cells.push(cell);
