@@ -189,10 +189,10 @@ impl Observers {
         reactions.map_or_else(Vec::new, Reactions::largest)
     }
 
-    /// Results of each barrier so far.
-    pub fn barriers(&self) -> Vec<BarrierResult> {
+    /// Results of each barrier so far, with the mass of the water at the start; kg.
+    pub fn barriers(&self, water: f64) -> Vec<BarrierResult> {
         let barriers = self.barriers.as_ref();
-        barriers.map_or_else(Vec::new, Barriers::results)
+        barriers.map_or_else(Vec::new, |barriers| barriers.results(water))
     }
 
     /// Records the last state of a run that ends early.

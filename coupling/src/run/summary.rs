@@ -117,10 +117,9 @@ impl Run<'_> {
                 .observers
                 .as_ref()
                 .map_or_else(Vec::new, Observers::largest_reactions),
-            barriers: self
-                .observers
-                .as_ref()
-                .map_or_else(Vec::new, Observers::barriers),
+            barriers: (self.observers.as_ref()).map_or_else(Vec::new, |observers| {
+                observers.barriers(counters.mass_at_start)
+            }),
             verdict: <[String; 3]>::default(),
             state_hash: world.state_hash(),
             peak_memory: peak_memory(),

@@ -100,9 +100,9 @@ impl Barriers {
         })
     }
 
-    /// Results so far.
-    pub fn results(&self) -> Vec<BarrierResult> {
-        self.records.iter().map(Record::result).collect()
+    /// Results so far, with the mass of the water at the start; kg.
+    pub fn results(&self, water: f64) -> Vec<BarrierResult> {
+        self.records.iter().map(|r| r.result(water)).collect()
     }
 
     /// Writes the largest loads of all cells.

@@ -190,7 +190,7 @@ impl Site<'_> {
         };
         let free = (self.blocks.iter()).filter(|block| matches!(block.motion, Motion::Free));
         let released: f64 = free.map(|block| mass(self.file, block)).sum();
-        let along = released * gravity.dot(&axes[0]);
+        let along = gravity.dot(&axes[0]);
         Barrier {
             name: self.asked.name.clone(),
             block_names: (blocks.iter())
@@ -204,7 +204,8 @@ impl Site<'_> {
             upstream: self.asked.upstream.unwrap_or(height),
             openings,
             grain: self.grain,
-            slope_weight: (NO_BED * gravity.norm() * released < along).then_some(along),
+            released,
+            along_flow: (NO_BED * gravity.norm() < along).then_some(along),
         }
     }
 

@@ -259,8 +259,10 @@ pub struct Barrier {
     pub openings: Vec<BarrierOpening>,
     /// Mean diameter and mass of the free blocks; `None` without any; m, kg.
     pub grain: Option<[f64; 2]>,
-    /// Weight of the free blocks times the sine of the slope along the flow; `None` where that is not above zero; N.
-    pub slope_weight: Option<f64>,
+    /// Mass of the free blocks; kg.
+    pub released: f64,
+    /// Gravity along the flow; `None` where that is not above zero; m/s².
+    pub along_flow: Option<f64>,
 }
 
 /// Opening of a barrier, by coordinates along its axes.

@@ -28,7 +28,8 @@ pub struct BarrierResult {
     pub passed_water_volume: Option<f64>,
     /// Kinetic energy of the bodies downstream at the last row; J.
     pub downstream_kinetic_energy: f64,
-    /// Largest force over the weight of the free blocks along the flow, `F/(W sin θ)`; `None` where gravity has no part along it.
+    /// Largest force over the weight of free blocks and water at the start along the flow, `F/(W sin θ)`; `None` where gravity has no part
+    /// along it.
     pub largest_over_slope_weight: Option<f64>,
     /// Speed of the flow upstream at the first row after the largest force; `None` without any; m/s.
     pub speed_at_peak: Option<f64>,
@@ -102,7 +103,8 @@ impl Record {
         }
     }
 
-    pub(super) fn result(&self) -> BarrierResult {
+    /// Results so far, with the mass of the water at the start; kg.
+    pub(super) fn result(&self, water: f64) -> BarrierResult {
         let Self { barrier, state, .. } = self;
         let wet = |kind| self.has_water.then(|| self.load_result(kind));
         let largest = state.peak[KINDS.len() - 1].value;
@@ -110,6 +112,10 @@ impl Record {
         let known = |value: f64| value.is_finite().then_some(value);
         // ρ h b L is the mass in the reach, of length L
         let per_length = largest * barrier.upstream / mass;
+        let weight = barrier
+            .along_flow
+            .map(|gravity| gravity * (barrier.released + water));
+        let weight = weight.filter(|weight| 0.0 < *weight);
         let openings = barrier.openings.iter().zip(&state.slices);
         let openings = openings.filter(|_| self.clogging.is_some());
         BarrierResult {
@@ -122,7 +128,7 @@ impl Record {
             passed_share: known(state.passed.mass / state.passed.released),
             passed_water_volume: self.has_water.then_some(state.passed.water),
             downstream_kinetic_energy: state.flow.kinetic[0],
-            largest_over_slope_weight: barrier.slope_weight.map(|weight| largest / weight),
+            largest_over_slope_weight: weight.map(|weight| largest / weight),
             speed_at_peak: known(speed),
             depth_at_peak: known(depth),
             static_coefficient: known(per_length / (self.gravity * depth)),
