@@ -96,7 +96,7 @@ def scene(piles, words, args):
     wall = lambda name, low, high: (
         f'        (name: "{name}", material: "wall", motion: Fixed, shape: Box(min: ({low}), max: ({high}))),'
     )
-    # thinner ones than the kernel's radius would be searched for water behind them: four fifths of a run
+    # thinner ones than the kernel's radius would be searched for water behind them: two thirds of a run
     thick = max(0.2, 3 * args.particles) if args.wet else 0.2
     channel = "\n".join([
         wall("bed", f"-{thick:g}, -{thick:g}, -{thick:g}", f"{LENGTH + thick:g}, {WIDTH + thick:g}, 0"),

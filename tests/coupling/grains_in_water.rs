@@ -195,7 +195,7 @@ fn exchange_keeps_the_energy_account() {
     };
     let whole = unexplained(1.0);
     let fifth = unexplained(0.2);
-    // measured 0.0085 and -0.003, 0.0016 and 0.0009: drag and added mass take the slip at one end of a step
+    // measured 0.0085 and -0.003, 0.0016 and 0.0009: an error of first order in the step
     for (found, bound) in [(whole, 0.015), (fifth, 0.003)] {
         assert!(found.iter().all(|part| part.abs() < bound), "{found:?}");
     }
@@ -462,7 +462,7 @@ fn grains_that_sink_raise_the_level() {
     let energy = world.energy();
     let lost = energy.lost();
     assert!(0.5 * lost < energy.drag, "{energy:?}");
-    // an impact at ten rows of depth, measured 0.10: sound of the impact, and grains that get wet at once
+    // an impact at ten rows of depth, measured 0.10, most of it unexplained as grains hit water and floor
     assert!(
         (energy.residual + energy.at_grains).abs() < 0.13 * lost,
         "{energy:?}"
