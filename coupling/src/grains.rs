@@ -212,7 +212,7 @@ impl AveragedGrains {
 
     /// Leaves room for the grains in water that was placed as if there were none.
     pub(crate) fn leave_room(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
-        self.find_pairs(fluid, blocks);
+        self.find_pairs(fluid, blocks, true);
         fluid.leave_room(&self.porosity);
     }
 
@@ -224,12 +224,11 @@ impl AveragedGrains {
         (blocks, are_held): (&Blocks, bool),
         over: f64,
     ) {
-        self.find_pairs(fluid, blocks);
+        self.find_pairs(fluid, blocks, are_held);
         let settings = fluid.settings();
         let sound = settings.smoothing_length / settings.sound_speed;
         let drawn = -(-over / (DRAWN_OVER * sound)).exp_m1();
-        self.compressed += fluid.set_porosity(&self.porosity, drawn);
-        self.update_flux(fluid, blocks, are_held);
+        self.compressed += fluid.share_with_grains((&self.porosity, &self.flux), drawn);
     }
 
     /// Sets the time over which the forces found next act, 0 if not known; s.
@@ -240,30 +239,8 @@ impl AveragedGrains {
         };
     }
 
-    fn update_flux(&mut self, fluid: &mut Fluid, blocks: &Blocks, are_held: bool) {
-        let (grains, room, fits, pairs) = (&self.grains, &self.room, &self.fits, &self.pairs);
-        self.flux.resize(fits.len(), Vec3::zeros());
-        self.flux
-            .par_chunks_mut(pairs::RANGE)
-            .enumerate()
-            .for_each(|(range, flux)| {
-                flux.fill(Vec3::zeros());
-                let first = range * pairs::RANGE;
-                let of_grain = |g: usize| match are_held {
-                    true => Vec3::zeros(),
-                    false => blocks.velocity(grains[g].block) * room[g],
-                };
-                pairs.for_each_in(first..first + flux.len(), of_grain, |a, kernel, flow| {
-                    flux[a - first] += flow * kernel;
-                });
-                for (flux, fits) in flux.iter_mut().zip(&fits[first..]) {
-                    *flux *= *fits;
-                }
-            });
-        fluid.set_grain_flux(&self.flux);
-    }
-
-    fn find_pairs(&mut self, fluid: &Fluid, blocks: &Blocks) {
+    /// Pairs, and what follows from them for each particle; grains may be held.
+    fn find_pairs(&mut self, fluid: &Fluid, blocks: &Blocks, are_held: bool) {
         let Self {
             grains,
             sight,
@@ -282,34 +259,48 @@ impl AveragedGrains {
                 false => grains[g].volume * *wet / filled,
             });
         }
-        let n = fluid.particles().len();
-        let (room, pairs) = (&*room, &*pairs);
-        // all per particle of a grain's sum over its kernel
-        let of_grain = |g: usize| [room[g], 1.0 / pairs.filled_of(g)];
         let particles = fluid.particles();
-        for (column, value) in [(&mut self.porosity, 1.0), (&mut self.fits, 1.0)] {
-            column.resize(n, value);
+        let n = particles.len();
+        let (grains, room, pairs) = (&*grains, &*room, &*pairs);
+        // all per particle of a grain's sum over its kernel
+        let of_grain = |g: usize| {
+            let flux = match are_held {
+                true => Vec3::zeros(),
+                false => blocks.velocity(grains[g].block) * room[g],
+            };
+            (room[g], 1.0 / pairs.filled_of(g), flux)
+        };
+        for column in [&mut self.porosity, &mut self.fits, &mut self.sums] {
+            column.resize(n, 1.0);
         }
-        self.sums.resize(n, 0.0);
-        self.volume.clear();
+        self.flux.resize(n, Vec3::zeros());
         // of what the flow carries: that of the density follows the porosity, which would follow it
-        self.volume
-            .extend((0..n).map(|a| particles.volume_with_grains(a)));
+        let volumes = (0..n).into_par_iter().with_min_len(CHUNK);
+        volumes
+            .map(|a| particles.volume_with_grains(a))
+            .collect_into_vec(&mut self.volume);
         let volume = &self.volume;
-        let out = (self.porosity.par_chunks_mut(pairs::RANGE))
-            .zip(self.fits.par_chunks_mut(pairs::RANGE))
-            .zip(self.sums.par_chunks_mut(pairs::RANGE));
-        out.enumerate()
-            .for_each(|(range, ((porosity, fits), sums))| {
+        let columns = (
+            self.porosity.par_chunks_mut(pairs::RANGE),
+            self.fits.par_chunks_mut(pairs::RANGE),
+            self.sums.par_chunks_mut(pairs::RANGE),
+            self.flux.par_chunks_mut(pairs::RANGE),
+        );
+        columns
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(range, (porosity, fits, sums, flux))| {
                 porosity.fill(1.0);
                 sums.fill(0.0);
+                flux.fill(Vec3::zeros());
                 let first = range * pairs::RANGE;
                 pairs.for_each_in(
                     first..first + porosity.len(),
                     of_grain,
-                    |a, kernel, [volume, one]| {
+                    |a, kernel, (volume, one, flow)| {
                         porosity[a - first] -= kernel * volume;
                         sums[a - first] += kernel * one;
+                        flux[a - first] += flow * kernel;
                     },
                 );
                 for (k, share) in porosity.iter_mut().enumerate() {
@@ -318,6 +309,7 @@ impl AveragedGrains {
                         fits[k] = (1.0 - LEAST_POROSITY) / (1.0 - *share);
                         *share = LEAST_POROSITY;
                     }
+                    flux[k] *= fits[k];
                     sums[k] *= volume[first + k];
                 }
             });

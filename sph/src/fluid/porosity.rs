@@ -43,10 +43,10 @@ impl Fluid {
         particles.porosity = porosity.to_vec();
     }
 
-    /// Takes over the porosity at the present positions, in the present order, above 0 (–). The density of the water itself stays, but
-    /// for the part `drawn` (–) of what parts it from that which its own flow has carried there. Returns the energy of compression that
+    /// Takes over the porosity, above 0 (–), and the flux of grains `Σ_j φ_aj v_j` (m/s), at the present positions, in the present order. The
+    /// density of the water itself stays, but for the part `drawn` (–) of what parts it from that which its own flow has carried there. Returns the energy of compression that
     /// this brought in; J.
-    pub fn set_porosity(&mut self, porosity: &[f64], drawn: f64) -> f64 {
+    pub fn share_with_grains(&mut self, (porosity, flux): (&[f64], &[Vec3]), drawn: f64) -> f64 {
         let Particles {
             density,
             mass,
@@ -59,7 +59,6 @@ impl Fluid {
             return 0.0;
         }
         before.resize(porosity.len(), 1.0);
-        grain_flux.resize(porosity.len(), Vec3::zeros());
         if carried.is_empty() {
             carried.clone_from(density);
         }
@@ -80,18 +79,13 @@ impl Fluid {
             density[a] = of_water(a, density)[1] * porosity[a];
         }
         before.copy_from_slice(porosity);
+        grain_flux.clear();
+        grain_flux.extend_from_slice(flux);
         brought
     }
 
-    /// Takes over the flux of grains `Σ_j φ_aj v_j` of every particle, in the present order, after [`Self::set_porosity`]; m/s.
-    pub fn set_grain_flux(&mut self, flux: &[Vec3]) {
-        if !self.particles.porosity.is_empty() {
-            self.particles.grain_flux.copy_from_slice(flux);
-        }
-    }
-
     /// Leaves the water its share of the forces of pressure and stress that act on its place; the grains have the rest. After
-    /// [`Self::set_porosity`] and all forces but those between water and grains.
+    /// [`Self::share_with_grains`] and all forces but those between water and grains.
     pub fn leave_grains_their_share(&mut self) {
         let gravity = self.settings.gravity;
         let Particles {
@@ -100,11 +94,12 @@ impl Fluid {
             viscous_acceleration,
             ..
         } = &mut self.particles;
-        let all = porosity.iter().zip(acceleration).zip(viscous_acceleration);
-        for ((&share, acceleration), viscous) in all.filter(|((share, _), _)| **share < 1.0) {
-            *acceleration = gravity + (*acceleration - gravity) * share;
-            *viscous = viscous.map(|by_viscosity| by_viscosity * share as f32);
-        }
+        let all = (porosity, acceleration, viscous_acceleration).into_par_iter();
+        let shared = all.filter(|(share, _, _)| **share < 1.0);
+        shared.for_each(|(share, acceleration, viscous)| {
+            *acceleration = gravity + (*acceleration - gravity) * *share;
+            *viscous = viscous.map(|by_viscosity| by_viscosity * *share as f32);
+        });
     }
 
     /// Advances by `dt` (s) what the flow of the water alone carries, with the diffusion of all.
@@ -113,16 +108,20 @@ impl Fluid {
         let Particles {
             density, carried, ..
         } = &mut self.particles;
-        let rates = self.scratch.rates.iter().zip(&self.scratch.water_alone);
-        for ((carried, density), (rate, alone)) in carried.iter_mut().zip(density).zip(rates) {
+        if carried.is_empty() {
+            return;
+        }
+        let rates = (&self.scratch.rates, &self.scratch.water_alone);
+        let all = (carried, density, rates.0, rates.1).into_par_iter();
+        all.for_each(|(carried, density, rate, alone)| {
             if rate.n_found <= FEWEST_NEIGHBORS {
                 *carried = *density;
-                continue;
+                return;
             }
             let sound = slowed_sound(rate.crowding / n_dimensions);
             let flow = sound * sound * alone.compression * *carried;
             *carried += (flow + sound * rate.diffusion) * dt;
-        }
+        });
     }
 
     /// Densities of the water itself, after [`Self::update_shared`]; kg/m³.
@@ -158,9 +157,9 @@ impl Fluid {
         fluxes.resize(particles.len(), Vec3::zeros());
         match flow {
             Flow::Water => fluxes.copy_from_slice(&particles.velocity),
-            Flow::WaterAndGrains => (0..)
-                .zip(fluxes)
-                .for_each(|(a, flux)| *flux = particles.flux(a)),
+            Flow::WaterAndGrains => {
+                (fluxes.par_iter_mut().enumerate()).for_each(|(a, flux)| *flux = particles.flux(a))
+            }
         }
     }
 
