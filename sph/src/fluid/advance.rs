@@ -1,5 +1,6 @@
 //! Advance in time: kicks, drifts, densities, and their accounts.
 
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use crate::fluid::energy::fixed_order_sum;
@@ -45,24 +46,6 @@ pub(crate) struct Compression {
     pub by_walls_on_grains: f64,
     /// Of the flow, and withheld from crowded particles.
     pub withheld: f64,
-}
-
-/// Power of the pressure of walls on the flow of the water, and what grains in it add to it; W.
-#[derive(Clone, Copy, Default)]
-struct PushPower {
-    of_water: f64,
-    by_grains: f64,
-}
-
-impl std::ops::Add for PushPower {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            of_water: self.of_water + other.of_water,
-            by_grains: self.by_grains + other.by_grains,
-        }
-    }
 }
 
 impl Fluid {
@@ -124,18 +107,16 @@ impl Fluid {
         }
         let particles = &self.particles;
         let pushes = &self.scratch.pushes;
+        // on the flow of the water, and what grains in it add
         let power = fixed_order_sum(pushes.len(), |k| {
             let (a, push) = (pushes[k].0 as usize, &pushes[k].1);
             let change = particles.acceleration[a] * (0.5 * dt);
             let of_water = particles.mass[a] * push.dot(&(particles.velocity[a] - change));
             let mean = particles.flux(a) - change * particles.porosity_of(a);
-            PushPower {
-                of_water,
-                by_grains: particles.mass[a] * push.dot(&mean) - of_water,
-            }
+            Vector2::new(of_water, particles.mass[a] * push.dot(&mean) - of_water)
         });
-        self.from_walls += power.of_water * dt;
-        self.from_walls_by_grains += power.by_grains * dt;
+        self.from_walls += power.x * dt;
+        self.from_walls_by_grains += power.y * dt;
     }
 
     /// Moves the particles by `dt` times their velocities.

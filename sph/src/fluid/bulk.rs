@@ -13,6 +13,7 @@
 //!
 //! Kick-drift-kick takes D half a step before the force, where the rates are: to a wave, Euler's rule for the damping.
 
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use crate::fluid::advance::FEWEST_NEIGHBORS;
@@ -20,26 +21,6 @@ use crate::fluid::energy::fixed_order_sum;
 use crate::neighbors::rest::Still;
 use crate::state_equation::NegativePressure;
 use crate::{CHUNK, Fluid, Particles};
-
-/// Power of the pressure of bulk viscosity; W.
-#[derive(Clone, Copy, Default)]
-struct Power {
-    /// Against all compression.
-    all: f64,
-    /// Against the part that walls make.
-    by_walls: f64,
-}
-
-impl std::ops::Add for Power {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            all: self.all + other.all,
-            by_walls: self.by_walls + other.by_walls,
-        }
-    }
-}
 
 impl Fluid {
     /// Pressures of bulk viscosity from the rates of density just found, those of walls included.
@@ -108,15 +89,13 @@ impl Fluid {
             ..
         } = &self.particles;
         let rates = &self.scratch.rates;
+        // against all compression, and against the part that walls make
         let power = fixed_order_sum(bulk_pressure.len(), |a| {
             let factor = mass[a] * bulk_pressure[a] / (density[a] * density[a]);
-            Power {
-                all: factor * rates[a].flow,
-                by_walls: factor * rates[a].by_walls,
-            }
+            factor * Vector2::new(rates[a].flow, rates[a].by_walls)
         });
-        self.bulk_loss += power.all * dt;
-        self.from_walls += power.by_walls * dt;
+        self.bulk_loss += power.x * dt;
+        self.from_walls += power.y * dt;
     }
 
     /// Energy taken by bulk viscosity since the ledger was opened; J.
