@@ -33,6 +33,7 @@ use crate::contact::dynamics::kept::KeptBond;
 use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 pub(crate) use crate::motion::update::Update;
+use crate::step::step_bound::KeptBound;
 use crate::{Attachment, BlockError, Hold, Load, Turning, Vec3};
 use attachments::Bodies;
 pub(crate) use constants::Constants;
@@ -138,6 +139,7 @@ impl Blocks {
             self.state.attachments.push(attachment, number, &bodies)?;
         }
         self.evaluate_attachments(true);
+        self.state.bound = KeptBound::default();
         Ok(())
     }
 
@@ -165,6 +167,7 @@ impl Blocks {
         self.state.angular_momentum[b] = Vec3::zeros();
         self.set_kinematics(b);
         self.sum_loads();
+        self.state.bound = KeptBound::default();
     }
 }
 

@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use riprap::run::build;
 use riprap::time_step::{BlockSteps, Cause, TimeStep};
 use riprap::world::World;
-use riprap_dda::{Motion, Shape, Vec3};
+use riprap_dda::{Motion, PrescribedMotion, Shape, Vec3};
 
-use crate::support::scene::{advance, basin, errors, resolved, world};
+use crate::support::scene::{FIXED, advance, basin, block, cuboid, errors, resolved, world};
 
 /// Water and grains in a box.
 struct Mixture {
@@ -326,6 +326,80 @@ fn water_seeps_through_a_bed_by_its_drag() {
             "{drag} {superficial}"
         );
     }
+}
+
+/// A piston drives water up through a bed. Its grains weigh nothing any more at the least speed that fluidizes them.
+#[test]
+fn a_bed_lifts_at_its_least_fluidizing_speed() {
+    let (diameter, solid) = (0.01, 0.58_f64);
+    // of a lattice of spheres that overlap, as fixed ones may
+    let pitch = diameter * (PI / 6.0 / solid).cbrt();
+    let width = 10.0 * pitch;
+    let [piston, bed, top, surface] = [4.0, 12.0, 26.0, 32.0].map(|rows| rows * pitch);
+    let box_of = |from: f64, to: f64| [[0.0, 0.0, from], [width, width, to]];
+    let [min, max] = box_of(0.0, piston);
+    let mixture = Mixture {
+        size: [width, width, 48.0 * pitch],
+        periodic: "X, Y",
+        gravity: [0.0, 0.0, -9.81],
+        water: (1000.0, 1e-3, "grains: (drag: Ergun),".into()),
+        spacing: pitch,
+        filled: box_of(piston, surface),
+        grains: grains_in(box_of(bed, top), 0.9 * pitch, pitch, ""),
+        blocks: vec![block("piston", &cuboid(min, max), FIXED)],
+        numerics: String::new(),
+    };
+    let mut scene = resolved(&mixture.text()).unwrap();
+    for &grain in scene
+        .fluid
+        .as_ref()
+        .unwrap()
+        .averaged_blocks()
+        .to_vec()
+        .iter()
+    {
+        scene.blocks[grain].motion = Motion::Fixed;
+        if let Shape::Sphere { radius, .. } = &mut scene.blocks[grain].shape {
+            *radius = 0.5 * diameter;
+        }
+    }
+    // velocities from 0.7 to 1.3 of the one expected; Ergun (1952) with (1 - porosity) (density of grains - of water) g = 8534.7 Pa/m
+    let (expected, duration) = (0.076482, 1.0);
+    let speed = |time: f64| expected * (0.7 + 0.6 * time / duration);
+    let times: Vec<f64> = (0..=50).map(|k| f64::from(k) * 0.02 * duration).collect();
+    let way = |&time: &f64| Vec3::z() * (0.5 * (speed(0.0) + speed(time)) * time);
+    scene.blocks[0].motion = Motion::Prescribed(PrescribedMotion::Table {
+        displacement: times.iter().map(way).collect(),
+        time: times,
+        turning: Vec::new(),
+    });
+    let mut world = build(&scene).unwrap();
+    let weight = 2500.0 * 9.81 * PI / 6.0 * diameter.powi(3);
+    let mut lifted = Vec::new();
+    advance(&mut world, duration, 10.0, |world| {
+        let grains = world.water.as_ref().unwrap().grains.as_ref().unwrap();
+        let inside: Vec<f64> = (grains.forces())
+            .filter(|(b, _)| {
+                let z = world.blocks.centroid(*b).z;
+                bed + 4.0 * pitch < z && z < top - 4.0 * pitch
+            })
+            .map(|(_, on)| (on.pressure + on.drag).z)
+            .collect();
+        assert!(500 < inside.len());
+        let force = inside.iter().sum::<f64>() / inside.len() as f64;
+        lifted.push((speed(world.time()), force / weight));
+    });
+    // through the least squares of the last half, whose sound averages out
+    let late = &lifted[lifted.len() / 3..];
+    let n = late.len() as f64;
+    let (u, f) = late
+        .iter()
+        .fold((0.0, 0.0), |(u, f), at| (u + at.0 / n, f + at.1 / n));
+    let slope = late.iter().map(|at| (at.0 - u) * (at.1 - f)).sum::<f64>()
+        / late.iter().map(|at| (at.0 - u).powi(2)).sum::<f64>();
+    let found = u + (1.0 - f) / slope;
+    println!("fluidizes at {found:.6} m/s for {expected}");
+    assert!((found / expected - 1.0).abs() < 0.05, "{found}");
 }
 
 /// A grain let go in water begins to fall, or to rise, with half of its volume of water to carry along.

@@ -12,6 +12,7 @@ use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::Kinematics;
+use crate::step::step_bound::KeptBound;
 use crate::{Load, Vec3};
 use nalgebra::{Matrix3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,8 @@ pub(crate) struct State {
     pub contact_stretch: Vec<Matrix3<f64>>,
     /// Share of the contacts in the step bound at the last evaluation.
     pub rates: Vec<BlockRates>,
+    /// Bound of the step by the eigenvalues of the contacts, of some steps ago.
+    pub bound: KeptBound,
     /// Deepest overlap at the last evaluation, × the overlap allowed, with its parts.
     pub worst_overlap: (f64, (u32, u32)),
     /// Impulses from outside that the next step of contact dynamics gives; one per block, empty of central differences; N s, N m s.

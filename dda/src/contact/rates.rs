@@ -16,7 +16,7 @@ pub enum StepBound {
 
 /// Bounds of the eigenvalues of `M⁻¹K` and `M⁻¹C` that a pair adds at a block,
 /// `Σ_k k_n w_n + k_t (w_t1 + w_t2)` and the same with the dashpots.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rates {
     /// 1/s².
     pub stiffness: f64,
@@ -29,6 +29,14 @@ impl Rates {
         Self {
             stiffness: factor * self.stiffness,
             damping: factor * self.damping,
+        }
+    }
+
+    /// The larger of each.
+    pub fn larger(self, other: &Self) -> Self {
+        Self {
+            stiffness: self.stiffness.max(other.stiffness),
+            damping: self.damping.max(other.damping),
         }
     }
 }

@@ -162,6 +162,11 @@ impl Kinematics {
         3.0 * self.inverse_mass + self.inverse_inertia.trace() * r.norm_squared() - along
     }
 
+    /// Mean compliance against torques over the axes, exact of spheres; 1/(kg m²).
+    pub fn rolling_mobility(&self) -> f64 {
+        self.inverse_inertia.trace() / 3.0
+    }
+
     /// Upper bound of the compliance of a block in any direction at any of its points; 1/kg. For one that deforms, at most 1.15 times
     /// that at the length of its lever arm, by `(tr A⁸)^⅛`.
     pub fn largest_compliance(&self, lever_arm: &LeverArm) -> f64 {

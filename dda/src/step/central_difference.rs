@@ -40,7 +40,7 @@ impl Blocks {
     /// 4. forces of contacts and attachments, and their accounts;
     /// 5. half a kick by them, cut where bodies met or parted within the step;
     /// 6. damping of statics, sleep;
-    /// 7. velocities at the end of the step, and guards.
+    /// 7. velocities at the end of the step, bound of the next, and guards.
     pub(crate) fn central_difference(
         &mut self,
         (from, to): (f64, f64),
@@ -60,6 +60,7 @@ impl Blocks {
         self.damp(dt);
         self.rest_or_wake(dt);
         self.set_velocities(to);
+        self.renew_bound();
         let checked = self.check(to);
         ended(Phase::Motion);
         checked

@@ -6,23 +6,18 @@
 //! ```
 //! with `t` the rates of the partner over those of the block: a partner that is held less stiffly hardly counts.
 //!
-//! Of the pairs that do not touch yet, only those count that may within [`HORIZON`] steps.
+//! Of the pairs that do not touch yet, only those count that may until the next bound.
 
 use crate::contact::context::travel_of;
 use crate::contact::rates::{BlockRates, Rates};
 use crate::contact::spread::Spread;
 use crate::contact::spring::Spring;
 use crate::geometry::bounds;
+use crate::geometry::parts::Part;
 use crate::motion::kinematics::Kinematics;
 use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, Vec3};
 use nalgebra::{Matrix3, Matrix6};
-
-/// Steps within which a pair that is apart counts as about to touch; every step asks anew.
-pub(super) const HORIZON: f64 = 2.0;
-
-/// Square of the sine between arm and normal below which a spring is central; –.
-const CENTRAL: f64 = 1e-20;
 
 /// Symmetric matrix of the forces and torques of a block that answer its velocity and spin.
 #[derive(Clone, Copy, Default)]
@@ -94,17 +89,6 @@ impl Response {
         self.rotation += inertia * across + rotation * more;
     }
 
-    /// Adds a spring whose normal passes through the centroid, as those of spheres do: along it nothing turns.
-    ///
-    /// ```text
-    /// r × n = 0,   r² − r rᵀ = r² (1 − n nᵀ)
-    /// ```
-    fn add_central(&mut self, (r, product): (&Vec3, &Matrix3<f64>), [along, across]: [f64; 2]) {
-        self.translation += Matrix3::from_diagonal_element(across) + product * (along - across);
-        self.mixed += r.cross_matrix() * across;
-        self.rotation += (Matrix3::identity() - product) * (across * r.norm_squared());
-    }
-
     /// Bound of the largest eigenvalue of `M⁻¹ K`, at most 1.25 times it: `(tr A⁸)^⅛`.
     fn largest_rate(&self, body: &Kinematics, is_isotropic: bool) -> Option<f64> {
         let (mixed, rotation) = if is_isotropic {
@@ -134,6 +118,66 @@ impl Response {
     }
 }
 
+/// Response of a sphere to springs and to resistance against rolling, in sums that bound its largest eigenvalue at a fraction of the work
+/// of a [`Response`].
+///
+/// ```text
+/// T = Σ k_n n nᵀ + k_t (1 − n nᵀ),   R = Σ (k_t r² + k_r) (1 − n nᵀ),   C = r Σ k_t [n]×,   ‖C‖ = r |Σ k_t n|
+/// λ_max ≤ (t + u)/2 + √((t − u)²/4 + ‖C‖²/(m J)),   t = λ_max(T)/m,   u = λ_max(R)/J                        [1/s²]
+/// ```
+#[derive(Clone, Copy, Default)]
+struct ResponseOfSphere {
+    /// `T` and `Σ k_t (1 − n nᵀ)`.
+    translation: Matrix3<f64>,
+    across: Matrix3<f64>,
+    /// `Σ k_t n`.
+    first: Vec3,
+    /// `Σ k_r (1 − n nᵀ)`.
+    rolling: Matrix3<f64>,
+}
+
+/// Directions of a contact of a sphere.
+struct Directions {
+    /// Unit, away from the sphere.
+    normal: Vec3,
+    /// `n nᵀ` and `1 − n nᵀ`.
+    along: Matrix3<f64>,
+    across: Matrix3<f64>,
+}
+
+impl ResponseOfSphere {
+    /// Adds springs along the normal and across it, and one against rolling.
+    fn add(&mut self, of: &Directions, [along, across]: [f64; 2], rolling: f64) {
+        self.translation += of.along * along + of.across * across;
+        self.across += of.across * across;
+        self.first += of.normal * across;
+        if rolling > 0.0 {
+            self.rolling += of.across * rolling;
+        }
+    }
+
+    /// Bound of the largest eigenvalue of `M⁻¹ K`, for an arm (m).
+    fn largest_rate(&self, body: &Kinematics, arm: f64) -> f64 {
+        let (mass, inertia) = (body.inverse_mass, body.inverse_inertia.m11);
+        let translation = largest_eigenvalue(&self.translation) * mass;
+        let turning = self.across * (arm * arm) + self.rolling;
+        let rotation = largest_eigenvalue(&turning) * inertia;
+        let mixed = self.first.norm_squared() * (arm * arm * mass * inertia);
+        0.5 * (translation + rotation) + (0.25 * (translation - rotation).powi(2) + mixed).sqrt()
+    }
+}
+
+/// Bound of the largest eigenvalue of a matrix without negative ones, at most 1.15 times it: `(tr A⁸)^⅛`.
+fn largest_eigenvalue(a: &Matrix3<f64>) -> f64 {
+    let trace = a.trace();
+    if trace <= 0.0 {
+        return 0.0;
+    }
+    let scaled = a / trace;
+    let square = scaled * scaled;
+    trace * (square * square).norm().sqrt().sqrt()
+}
+
 /// Sums over the contacts of a block.
 #[derive(Default)]
 struct Held {
@@ -148,8 +192,10 @@ impl Blocks {
         if body.strain_rate.is_some() {
             return None;
         }
+        if self.is_sphere(b) {
+            return Some(self.largest_rates_of_sphere(b));
+        }
         let mut held = Held::default();
-        let mut of_spheres = Rates::default();
         for (k, _) in self.derived.links.of(b) {
             let pair = &self.contacts.pairs[k];
             if pair.is_touching {
@@ -166,27 +212,90 @@ impl Blocks {
         }
         for (k, _) in self.derived.surface_links.of(b) {
             let pair = &self.contacts.surface_pairs[k];
-            if pair.is_touching && pair.is_of_sphere() {
-                of_spheres.stiffness += pair.rates.stiffness;
-                of_spheres.damping += pair.rates.damping;
-            } else if pair.is_touching {
+            if pair.is_touching {
                 held.add(body, pair.springs(self.joint_between(pair.parts)), ONCE);
             }
         }
         let is_isotropic = is_isotropic(&self.constants.inertia[b]);
         Some(Rates {
-            stiffness: of_spheres.stiffness + held.stiffness.largest_rate(body, is_isotropic)?,
-            damping: of_spheres.damping + held.damping.largest_rate(body, is_isotropic)?,
+            stiffness: held.stiffness.largest_rate(body, is_isotropic)?,
+            damping: held.damping.largest_rate(body, is_isotropic)?,
         })
+    }
+
+    fn is_sphere(&self, b: usize) -> bool {
+        self.derived.parts[self.parts_of(b)]
+            .iter()
+            .all(Part::is_sphere)
+            && self.parts_of(b).len() == 1
+    }
+
+    /// The same of a sphere. Those of its contacts with surfaces are added up.
+    fn largest_rates_of_sphere(&self, b: usize) -> Rates {
+        let mut stiffness = ResponseOfSphere::default();
+        let mut damping = ResponseOfSphere::default();
+        for (k, is_second) in self.derived.sphere_links.of(b) {
+            if !self.contacts.sphere_marks[k].is_touching {
+                continue;
+            }
+            let blocks = self.contacts.sphere_pairs[k].blocks;
+            let times = self.shares(b, blocks);
+            let spring = self.spring_of_spheres(k);
+            let along = spring.normal * spring.normal.transpose();
+            let directions = Directions {
+                normal: if is_second {
+                    -spring.normal
+                } else {
+                    spring.normal
+                },
+                along,
+                across: Matrix3::identity() - along,
+            };
+            let rolling = self
+                .contacts
+                .sphere_rolling
+                .get(k)
+                .map_or((0.0, 0.0), |rolling| {
+                    let mobility =
+                        |block: u32| self.state.kinematics[block as usize].rolling_mobility();
+                    let mobilities = (mobility(blocks.0), mobility(blocks.1));
+                    let dashpots =
+                        rolling.dashpots(self.constants.settings.rolling_law, mobilities);
+                    (
+                        rolling.stiffness,
+                        if is_second { dashpots.1 } else { dashpots.0 },
+                    )
+                });
+            let of = |sides: [f64; 2], times: f64| sides.map(|side| side * times);
+            stiffness.add(
+                &directions,
+                of(spring.stiffness, times.stiffness),
+                rolling.0 * times.stiffness,
+            );
+            damping.add(
+                &directions,
+                of(spring.dashpot, times.damping),
+                rolling.1 * times.damping,
+            );
+        }
+        let (body, radius) = (&self.state.kinematics[b], self.constants.radius[b]);
+        let mut largest = Rates {
+            stiffness: stiffness.largest_rate(body, radius),
+            damping: damping.largest_rate(body, radius),
+        };
+        for (k, is_second) in self.derived.surface_links.of(b) {
+            let pair = &self.contacts.surface_pairs[k];
+            if pair.is_touching && !is_second {
+                largest.stiffness += pair.rates.stiffness;
+                largest.damping += pair.rates.damping;
+            }
+        }
+        largest
     }
 
     /// Largest rates of the pairs of a block that may touch within a time (s).
     pub(super) fn next_rates(&self, b: usize, time: f64) -> Rates {
         let mut next = Rates::default();
-        let mut add = |rates: &Rates| {
-            next.stiffness = next.stiffness.max(rates.stiffness);
-            next.damping = next.damping.max(rates.damping);
-        };
         for (k, is_second) in self.derived.links.of(b) {
             let pair = &self.contacts.pairs[k];
             let between = self.boxes_apart(pair.parts);
@@ -197,7 +306,7 @@ impl Blocks {
                 if left.is_finite() { left } else { axis.gap }
             });
             if !pair.is_touching && gap <= self.reach(pair.blocks, time) {
-                add(if is_second {
+                next = next.larger(if is_second {
                     &pair.rates.1
                 } else {
                     &pair.rates.0
@@ -205,17 +314,21 @@ impl Blocks {
             }
         }
         for (k, is_second) in self.derived.sphere_links.of(b) {
+            if self.contacts.sphere_marks[k].is_touching {
+                continue;
+            }
+            let (first, second) = &self.contacts.sphere_rates[k];
+            let with_it = next.larger(if is_second { second } else { first });
             let pair = &self.contacts.sphere_pairs[k];
-            let is_touching = self.contacts.sphere_marks[k].is_touching;
-            if !is_touching && self.boxes_apart(pair.parts) <= self.reach(pair.blocks, time) {
-                let (first, second) = &self.contacts.sphere_rates[k];
-                add(if is_second { second } else { first });
+            // what would not count need not be near
+            if with_it != next && self.boxes_apart(pair.parts) <= self.reach(pair.blocks, time) {
+                next = with_it;
             }
         }
         for (k, is_second) in self.derived.surface_links.of(b) {
             let pair = &self.contacts.surface_pairs[k];
             if !(is_second || pair.is_touching || pair.triangles.is_empty()) {
-                add(&pair.rates);
+                next = next.larger(&pair.rates);
             }
         }
         next
@@ -285,12 +398,6 @@ impl Held {
         for spring in springs {
             let (r, normal) = (spring.point - body.centroid, spring.normal);
             let of = |sides: [f64; 2], times: f64| sides.map(|side| side * times);
-            if r.cross(&normal).norm_squared() <= CENTRAL * r.norm_squared() {
-                let place = (&r, &(normal * normal.transpose()));
-                (self.stiffness).add_central(place, of(spring.stiffness, times.stiffness));
-                (self.damping).add_central(place, of(spring.dashpot, times.damping));
-                continue;
-            }
             let products = Products::of(&r, &normal);
             (self.stiffness).add(&products, of(spring.stiffness, times.stiffness));
             (self.damping).add(&products, of(spring.dashpot, times.damping));

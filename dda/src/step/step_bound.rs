@@ -1,10 +1,11 @@
 //! The largest stable sub-step, and the block that sets it.
 
 use crate::blocks::CHUNK;
-use crate::contact::rates::{BlockRates, Listed};
+use crate::contact::rates::{BlockRates, Listed, Rates};
+use crate::motion::kinematics::Kinematics;
 use crate::motion::rigid::is_isotropic;
-use crate::step::eigenvalues::HORIZON;
 use crate::{Blocks, Integrator, Motion, StepBound, chunks};
+use serde::{Deserialize, Serialize};
 
 /// Largest rotation in a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then
 /// oscillates by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost; rad.
@@ -24,8 +25,22 @@ pub struct CriticalStep {
     pub contact: Option<(usize, usize)>,
 }
 
+/// Steps for which a bound by the eigenvalues of contacts is kept where all contacts are those of spheres: it takes as long as the rest of
+/// their step, and changes by little. Beside contacts of polyhedra it costs next to nothing, and to look ahead for less spares steps.
+const KEPT_STEPS: u32 = 4;
+
+/// Steps of a block that nothing touches, × that with the contacts that it may have next.
+const FLIGHTS: [f64; 2] = [16.0, 4.0];
+
+/// Bound by the eigenvalues of contacts, once there is one, and the steps since. Saved in checkpoints.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct KeptBound {
+    bound: Option<Bound>,
+    age: u32,
+}
+
 /// Bound of the step by one block.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Bound {
     /// s.
     dt: f64,
@@ -58,11 +73,10 @@ impl Bound {
     }
 }
 
-/// Quantities of the whole system that bound the step of a block.
-struct Limits {
-    /// Of springs and bolts, empty without attachments; 1/s².
-    attached: Vec<f64>,
-    has_others: bool,
+/// What a block may run into.
+struct Others {
+    /// Is there any?
+    are_there: bool,
     /// m/s.
     fastest_path: f64,
 }
@@ -83,28 +97,26 @@ impl Blocks {
     /// among others may also not travel more than half the margin of its candidate search, and one whose moments of
     /// inertia differ not turn by more than 0.2 rad.
     ///
-    /// With [`StepBound::Eigenvalues`] the sums over the contacts that touch are replaced by the largest eigenvalues. Contact dynamics has
-    /// a step of its own, which only motion and attachments shorten.
+    /// With [`StepBound::Eigenvalues`] the sums over the contacts that touch are replaced by the largest eigenvalues, of spheres
+    /// every four steps, with the pairs that may touch until then. Contact dynamics has a step of its own, which only motion and attachments
+    /// shorten.
     pub fn critical_time_step(&self) -> CriticalStep {
         if let Integrator::ContactDynamics(dynamics) = &self.constants.settings.integrator {
             return self.step_of_contact_dynamics(dynamics);
         }
-        let limits = Limits {
-            attached: self.attached_stiffness(),
-            has_others: self.has_others(),
+        let by_contacts = match self.state.bound.bound {
+            Some(kept) => kept,
+            None => self.bound_by_contacts(),
+        };
+        let others = Others {
+            are_there: self.has_others(),
             fastest_path: self.fastest_path(),
         };
-        let slowest = |first: usize, rates: &[BlockRates]| self.least_bound(&limits, first, rates);
-        let rates = self.state.rates.as_slice();
-        let chunk = match self.constants.settings.step_bound {
-            StepBound::Compliances => CHUNK,
-            StepBound::Eigenvalues => EIGENVALUE_CHUNK,
+        let slowest = |first: usize, kinematics: &[Kinematics]| {
+            let blocks = first..first + kinematics.len();
+            self.least_by_motion(&others, blocks, by_contacts)
         };
-        let least = chunks::in_pool(rates.len() > 8 * chunk, || {
-            chunks::reduce(rates, chunk, &slowest, &|a, b| {
-                if b.dt < a.dt { b } else { a }
-            })
-        });
+        let least = self.least_of(self.state.kinematics.as_slice(), CHUNK, &slowest);
         CriticalStep {
             dt: least.dt,
             block: (least.dt < f64::INFINITY).then_some(least.block),
@@ -118,8 +130,66 @@ impl Blocks {
         }
     }
 
-    /// Least bound of consecutive blocks from `first` on.
-    fn least_bound(&self, limits: &Limits, first: usize, rates: &[BlockRates]) -> Bound {
+    /// Least of the bounds of chunks of a column.
+    fn least_of<T: Sync>(
+        &self,
+        column: &[T],
+        chunk: usize,
+        of: &(impl Fn(usize, &[T]) -> Bound + Sync),
+    ) -> Bound {
+        chunks::in_pool(column.len() > 8 * chunk, || {
+            chunks::reduce(column, chunk, of, &|a, b| if b.dt < a.dt { b } else { a })
+        })
+    }
+
+    /// Finds the bound by eigenvalues anew after a step, if it is old.
+    pub(super) fn renew_bound(&mut self) {
+        if self.constants.settings.step_bound == StepBound::Compliances {
+            return;
+        }
+        self.state.bound = match self.state.bound {
+            KeptBound {
+                bound: Some(bound),
+                age,
+            } if age + 1 < self.kept_steps() => KeptBound {
+                bound: Some(bound),
+                age: age + 1,
+            },
+            _ => KeptBound {
+                bound: Some(self.bound_by_contacts()),
+                age: 0,
+            },
+        };
+    }
+
+    /// Steps for which a bound is kept.
+    fn kept_steps(&self) -> u32 {
+        match self.contacts.pairs.is_empty() {
+            true => KEPT_STEPS,
+            false => 1,
+        }
+    }
+
+    /// Steps within which a pair that is apart counts as about to touch: until the next bound, and a step more.
+    fn horizon(&self) -> f64 {
+        f64::from(self.kept_steps() + 1)
+    }
+
+    /// Bound by contacts, attachments and strains.
+    fn bound_by_contacts(&self) -> Bound {
+        let attached = self.attached_stiffness();
+        let chunk = match self.constants.settings.step_bound {
+            StepBound::Compliances => CHUNK,
+            StepBound::Eigenvalues => EIGENVALUE_CHUNK,
+        };
+        let slowest =
+            |first: usize, rates: &[BlockRates]| self.least_by_contacts(&attached, first, rates);
+        self.least_of(self.state.rates.as_slice(), chunk, &slowest)
+    }
+
+    /// Least bound of consecutive blocks from `first` on, by their contacts, strains, and springs and bolts attached to them, of which there
+    /// may be none (1/s²).
+    fn least_by_contacts(&self, attached: &[f64], first: usize, rates: &[BlockRates]) -> Bound {
         let mut least = Bound::NONE;
         // a block less stiff and less damped than the one that bounds so far cannot bound more
         let mut worst = (0.0, 0.0);
@@ -129,29 +199,39 @@ impl Blocks {
             }
             let mut k = rates.stiffness + rates.next_stiffness;
             let mut c = rates.damping + rates.next_damping;
-            k += limits.attached.get(b).copied().unwrap_or(0.0);
+            k += attached.get(b).copied().unwrap_or(0.0);
             if let Some(of) = self.constants.deformable_of[b] {
                 let (square, xi) = self.state.deformables[of as usize].stiffness_rate();
                 k += square;
                 c += 2.0 * xi * square.sqrt();
             }
             if (k > worst.0 || c > worst.1) && self.longest_step(k, c) < least.dt {
-                (k, c) = self.tightened(b, rates, (k, c));
+                (k, c) = self.tightened(b, rates, (k, c), least.dt);
                 let dt = self.longest_step(k, c);
                 if dt < least.dt {
                     least = Bound::of_contacts(dt, b);
                     worst = (k, c);
                 }
             }
+        }
+        least
+    }
+
+    /// Least of a bound and those of blocks by their motion.
+    fn least_by_motion(
+        &self,
+        others: &Others,
+        blocks: std::ops::Range<usize>,
+        mut least: Bound,
+    ) -> Bound {
+        for b in blocks.filter(|&b| self.is_free(b)) {
             if let Some(dt) = self.turning_time(b, least.dt) {
                 least = Bound::of_speed(dt, b);
-                worst = (0.0, 0.0);
             }
-            if limits.has_others && self.may_travel_too_far(b, limits.fastest_path, least.dt) {
-                let dt = self.travel_time(b, limits.fastest_path);
+            if others.are_there && self.may_travel_too_far(b, others.fastest_path, least.dt) {
+                let dt = self.travel_time(b, others.fastest_path);
                 if dt < least.dt {
                     least = Bound::of_speed(dt, b);
-                    worst = (0.0, 0.0);
                 }
             }
         }
@@ -163,8 +243,9 @@ impl Blocks {
         self.constants.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k
     }
 
-    /// Stiffness (1/s²) and damping (1/s) of a block, with eigenvalues for the sums over its contacts if that is the setting.
-    fn tightened(&self, b: usize, sums: &BlockRates, (k, c): (f64, f64)) -> (f64, f64) {
+    /// Stiffness (1/s²) and damping (1/s) of a block, with eigenvalues for the sums over its contacts if that is the setting. Where they
+    /// allow more than a step (s) in any case, those that may touch next all count, near or not.
+    fn tightened(&self, b: usize, sums: &BlockRates, (k, c): (f64, f64), dt: f64) -> (f64, f64) {
         let largest = match self.constants.settings.step_bound {
             StepBound::Compliances => None,
             StepBound::Eigenvalues => self.largest_rates(b),
@@ -178,11 +259,34 @@ impl Blocks {
             c - (sums.damping + sums.next_damping),
         );
         let touching = (others.0 + largest.stiffness, others.1 + largest.damping);
-        let next = self.next_rates(b, HORIZON * self.longest_step(touching.0, touching.1));
+        let at_most = (
+            k.min(touching.0 + sums.next_stiffness),
+            c.min(touching.1 + sums.next_damping),
+        );
+        if dt <= self.longest_step(at_most.0, at_most.1) {
+            return at_most;
+        }
+        if touching.0 <= 0.0 {
+            return self.of_free_flight(b, at_most);
+        }
+        let next = self.next_rates(
+            b,
+            self.horizon() * self.longest_step(touching.0, touching.1),
+        );
         (
             k.min(touching.0 + next.stiffness),
             c.min(touching.1 + next.damping),
         )
+    }
+
+    /// Stiffness (1/s²) and damping (1/s) of a block that nothing touches, from those that something may give it next: they are as many
+    /// times less as steps may be longer before that is in reach.
+    fn of_free_flight(&self, b: usize, (k, c): (f64, f64)) -> (f64, f64) {
+        let step = self.longest_step(k, c);
+        let is_free_for =
+            |&longer: &f64| self.next_rates(b, self.horizon() * longer * step) == Rates::default();
+        let longer = FLIGHTS.into_iter().find(is_free_for).unwrap_or(1.0);
+        (k / (longer * longer), c / longer)
     }
 
     /// Largest speed of a point of a prescribed block, zero if there is only one block; m/s.

@@ -196,7 +196,6 @@ impl SphereRow<'_> {
             .apply(&found, &law, sides, self.loads, rolling, tally);
         let is_steady = was_touching
             && joint.is_linear()
-            && joint.rolling_friction == 0.0
             && sides.0.has_steady_rates()
             && sides.1.has_steady_rates();
         if !is_steady {

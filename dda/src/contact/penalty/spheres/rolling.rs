@@ -35,6 +35,21 @@ impl Rolling {
         }
     }
 
+    /// Dashpots of i and j, of their [`Kinematics::rolling_mobility`]; what cannot turn needs none on its own; N m s.
+    pub fn dashpots(&self, law: RollingLaw, mobilities: (f64, f64)) -> (f64, f64) {
+        let of = |mobility: f64| match mobility > 0.0 {
+            true => 2.0 * ROLLING_DAMPING_RATIO * (self.stiffness / mobility).sqrt(),
+            false => 0.0,
+        };
+        match law {
+            RollingLaw::Relative => {
+                let dashpot = of(mobilities.0 + mobilities.1);
+                (dashpot, dashpot)
+            }
+            RollingLaw::OwnSpin => (of(mobilities.0), of(mobilities.1)),
+        }
+    }
+
     /// Books half a step (s) of the torques.
     pub(super) fn book_half<A: Side, B: Side>(&self, dt: f64, sides: &(A, B), tally: &mut Tally) {
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
@@ -68,7 +83,6 @@ impl Rolling {
             1.0
         };
         self.stiffness = stiffness;
-        let damping = |mobility: f64| 2.0 * ROLLING_DAMPING_RATIO * (stiffness / mobility).sqrt();
         let spring = |angle: Vec3, rate: Vec3, dashpot: f64| {
             let torque = -angle * stiffness - rate * dashpot;
             let size = torque.norm();
@@ -79,36 +93,28 @@ impl Rolling {
                 (angle, torque)
             }
         };
-        // Mean over the axes: exact for spheres.
-        let mobilities = (sides.0.turning_trace() / 3.0, sides.1.turning_trace() / 3.0);
+        let mobilities = (a.rolling_mobility(), b.rolling_mobility());
+        let dashpots = self.dashpots(law.rolling_law, mobilities);
         match law.rolling_law {
             RollingLaw::Relative => {
                 let turning = b.spin - a.spin;
                 let rolling = turning - n * turning.dot(&n);
                 let spin = 0.5 * (a.spin + b.spin).dot(&n) * law.dt;
                 let angle = carry(&self.angles.0, &n, spin) * kept + rolling * law.dt;
-                let dashpot = damping(mobilities.0 + mobilities.1);
-                let (angle, torque) = spring(angle, rolling, dashpot);
+                let (angle, torque) = spring(angle, rolling, dashpots.0);
                 self.angles.0 = angle;
                 self.torques = (-torque, torque);
-                (dashpot, dashpot)
             }
             RollingLaw::OwnSpin => {
-                let own = |angle: Vec3, rate: Vec3, mobility: f64| {
-                    // What cannot turn needs no dashpot.
-                    let dashpot = if mobility > 0.0 {
-                        damping(mobility)
-                    } else {
-                        0.0
-                    };
-                    (spring(angle * kept + rate * law.dt, rate, dashpot), dashpot)
+                let own = |angle: Vec3, rate: Vec3, dashpot: f64| {
+                    spring(angle * kept + rate * law.dt, rate, dashpot)
                 };
-                let first = own(self.angles.0, sides.0.own_spin(), mobilities.0);
-                let second = own(self.angles.1, sides.1.own_spin(), mobilities.1);
-                self.angles = (first.0.0, second.0.0);
-                self.torques = (first.0.1, second.0.1);
-                (first.1, second.1)
+                let first = own(self.angles.0, sides.0.own_spin(), dashpots.0);
+                let second = own(self.angles.1, sides.1.own_spin(), dashpots.1);
+                self.angles = (first.0, second.0);
+                self.torques = (first.1, second.1);
             }
         }
+        dashpots
     }
 }
