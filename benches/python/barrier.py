@@ -79,6 +79,11 @@ def run(args, scene):
     return run_to_end(args, "_".join([*scene, *args.set, end]).replace("--", ""), prepare)
 
 
+def number(value):
+    """Two digits; nothing where there is no value, as of an arrival that never was."""
+    return "" if value is None else f"{value:.2f}"
+
+
 def result(summary):
     """Largest force of a step on the whole barrier, its time, largest on a cell, first arrival; kN, s."""
     solid = summary["barriers"][0]["solid"]
@@ -109,11 +114,11 @@ def published(args):
         mean, _ = largest_mean(folder)
         steps.append(largest / force)
         means.append(mean / force)
-        on_time += abs(time - at) <= 0.25
+        on_time += time is not None and abs(time - at) <= 0.25
         local += 0.5 <= on_cell / on_sphere <= 2.0
         print(
-            f"| {name} | {force:g} | {largest:.1f} | {largest / force:.2f} | {mean:.1f} | {mean / force:.2f} | {at:g} | {time:.2f} | "
-            f"{arrival:.2f} | {on_sphere:.2f} | {on_cell:.2f} | {100 * summary['barriers'][0]['passed_share']:.0f} % | "
+            f"| {name} | {force:g} | {largest:.1f} | {largest / force:.2f} | {mean:.1f} | {mean / force:.2f} | {at:g} | {number(time)} | "
+            f"{number(arrival)} | {on_sphere:.2f} | {on_cell:.2f} | {100 * summary['barriers'][0]['passed_share']:.0f} % | "
             f"{unexplained(summary):+.0e} | {summary['steps']} | {summary['wall_time']:.0f} |",
             flush=True,
         )
@@ -129,6 +134,7 @@ def published(args):
 
 def slopes(args):
     """Slits over slopes."""
+    over = lambda force, first: number(force / first if first else None)
     table([[
         "slope", "opening over radius", "largest step [kN]", "over the first", "at [s]", "largest 10 ms [kN]", "over the first",
         "arrival [s]", "unexplained",
@@ -141,8 +147,8 @@ def slopes(args):
             mean, _ = largest_mean(folder)
             first = first or (largest, mean)
             print(
-                f"| {slope} | {opening} | {largest:.1f} | {largest / first[0]:.2f} | {time:.2f} | {mean:.1f} | "
-                f"{mean / first[1]:.2f} | {arrival:.2f} | {unexplained(summary):+.0e} |",
+                f"| {slope} | {opening} | {largest:.1f} | {over(largest, first[0])} | {number(time)} | {mean:.1f} | "
+                f"{over(mean, first[1])} | {number(arrival)} | {unexplained(summary):+.0e} |",
                 flush=True,
             )
 
@@ -171,13 +177,13 @@ def regimes(args):
             asked = CLASSES.get((float(slope), float(opening)) if barrier["openings"] else None, [])
             n += bool(asked)
             right += found["clogging"] in asked
-            stopped = found["stop_time"] and found["stop_time"] - barrier["solid"]["first_arrival"]
-            at_rest = barrier["solid"]["at_rest"]
+            stopped = None if found["stop_time"] is None else found["stop_time"] - barrier["solid"]["first_arrival"]
+            largest, at_rest = barrier["solid"]["largest"], barrier["solid"]["at_rest"]
             carried, along = carried_at_end(folder, float(slope), barrier["passed_mass"])
             print(
                 f"| {slope} | {opening} | {found['clogging']} | {' or '.join(asked)} | {found['arch_height'] / HEIGHT:.2f} | "
-                f"{'' if stopped is None else f'{stopped:.1f}'} | {100 * barrier['passed_share']:.0f} % | {at_rest / 1e3:.1f} | {carried / 1e3:.1f} | "
-                f"{along / 1e3:.1f} | {barrier['solid']['largest'] / at_rest:.2f} | {summary['simulated_time']:.1f} | {unexplained(summary):+.0e} | "
+                f"{number(stopped)} | {100 * barrier['passed_share']:.0f} % | {at_rest / 1e3:.1f} | {carried / 1e3:.1f} | "
+                f"{along / 1e3:.1f} | {number(largest / at_rest if at_rest else None)} | {summary['simulated_time']:.1f} | {unexplained(summary):+.0e} | "
                 f"{summary['wall_time']:.0f} |",
                 flush=True,
             )

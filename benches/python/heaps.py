@@ -99,7 +99,7 @@ def last(folder):
 
 
 def flank(grains, side, half):
-    """Angle of one side; degrees."""
+    """Angle of one side, NaN where nothing stays; degrees."""
     highest = {}
     for x, y, z in grains:
         if z > 0 and 1.5 * D < side * x < half - 1.5 * D:
@@ -108,7 +108,7 @@ def flank(grains, side, half):
                 highest[cell] = (side * x, z)
     points = list(highest.values())
     slopes = [(b[1] - a[1]) / (b[0] - a[0]) for k, a in enumerate(points) for b in points[k + 1 :] if abs(b[0] - a[0]) > 0.5 * D]
-    return math.degrees(math.atan(-statistics.median(slopes)))
+    return math.degrees(math.atan(-statistics.median(slopes))) if slopes else math.nan
 
 
 def main():

@@ -30,10 +30,10 @@ mod totals;
 mod update;
 
 use crate::contact::dynamics::kept::KeptBond;
+use crate::contact::rates::KeptBound;
 use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 pub(crate) use crate::motion::update::Update;
-use crate::step::step_bound::KeptBound;
 use crate::{Attachment, BlockError, Hold, Load, Turning, Vec3};
 use attachments::Bodies;
 pub(crate) use constants::Constants;

@@ -2,7 +2,8 @@
 
 use crate::setup::*;
 use riprap_dda::{
-    BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Surface, Vec3,
+    BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, StepBound, Surface,
+    Vec3,
 };
 use std::sync::Arc;
 
@@ -107,7 +108,13 @@ fn crown_falls(thickness: f64, time: f64) -> f64 {
         restitution: 0.3,
         ..rock()
     };
-    let mut blocks = blocks(arch(24, thickness), material, down());
+    // a third of the steps
+    let settings = Settings {
+        gravity: down(),
+        step_bound: StepBound::Eigenvalues,
+        ..Settings::default()
+    };
+    let mut blocks = Blocks::new(arch(24, thickness), vec![material], settings).unwrap();
     let crown = |b: &Blocks| 0.5 * (b.centroid(11).z + b.centroid(12).z);
     let start = crown(&blocks);
     let (mut now, mut n) = (0.0, 0);

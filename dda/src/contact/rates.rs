@@ -79,3 +79,44 @@ pub(crate) enum Listed {
     Sphere,
     Surface,
 }
+
+/// Bound by the eigenvalues of contacts, once there is one, and the steps since. Saved in checkpoints.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct KeptBound {
+    pub bound: Option<Bound>,
+    pub age: u32,
+}
+
+/// Bound of the step by one block.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Bound {
+    /// s.
+    pub dt: f64,
+    pub block: usize,
+    /// False if the speed of the block sets it.
+    pub is_by_contact: bool,
+}
+
+impl Bound {
+    pub const NONE: Self = Self {
+        dt: f64::INFINITY,
+        block: usize::MAX,
+        is_by_contact: false,
+    };
+
+    pub fn of_contacts(dt: f64, block: usize) -> Self {
+        Self {
+            dt,
+            block,
+            is_by_contact: true,
+        }
+    }
+
+    pub fn of_speed(dt: f64, block: usize) -> Self {
+        Self {
+            dt,
+            block,
+            is_by_contact: false,
+        }
+    }
+}

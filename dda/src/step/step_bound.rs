@@ -1,11 +1,10 @@
 //! The largest stable sub-step, and the block that sets it.
 
 use crate::blocks::CHUNK;
-use crate::contact::rates::{BlockRates, Listed, Rates};
+use crate::contact::rates::{BlockRates, Bound, KeptBound, Listed, Rates};
 use crate::motion::kinematics::Kinematics;
 use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, Integrator, Motion, StepBound, chunks};
-use serde::{Deserialize, Serialize};
 
 /// Largest rotation in a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then
 /// oscillates by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost; rad.
@@ -31,47 +30,6 @@ const KEPT_STEPS: u32 = 4;
 
 /// Steps of a block that nothing touches, × that with the contacts that it may have next.
 const FLIGHTS: [f64; 2] = [16.0, 4.0];
-
-/// Bound by the eigenvalues of contacts, once there is one, and the steps since. Saved in checkpoints.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct KeptBound {
-    bound: Option<Bound>,
-    age: u32,
-}
-
-/// Bound of the step by one block.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Bound {
-    /// s.
-    dt: f64,
-    block: usize,
-    /// False if the speed of the block sets it.
-    is_by_contact: bool,
-}
-
-impl Bound {
-    const NONE: Self = Self {
-        dt: f64::INFINITY,
-        block: usize::MAX,
-        is_by_contact: false,
-    };
-
-    fn of_contacts(dt: f64, block: usize) -> Self {
-        Self {
-            dt,
-            block,
-            is_by_contact: true,
-        }
-    }
-
-    fn of_speed(dt: f64, block: usize) -> Self {
-        Self {
-            dt,
-            block,
-            is_by_contact: false,
-        }
-    }
-}
 
 /// What a block may run into.
 struct Others {
