@@ -14,7 +14,7 @@ use riprap::scene;
 use riprap::scene::access::{Access, FilesFrom};
 
 /// Few enough for continuous integration.
-const CASES: u32 = 100;
+const CASES: u32 = 60;
 /// Steps that each scene takes.
 const STEPS: u64 = 50;
 /// So that a case takes a fraction of a second: some two thousand particles.
