@@ -271,7 +271,7 @@ fn a_heap_of_hulls_needs_half_the_steps() {
         block(random.hull().transformed(&there), Motion::Free)
     };
     let [compliances, eigenvalues] = [StepBound::Compliances, StepBound::Eigenvalues]
-        .map(|bound| fall((bound, 1.5, 0.003), material.clone(), hull).0);
+        .map(|bound| fall((bound, 1.5, 0.003), material, hull).0);
     assert!(2 * eigenvalues < compliances);
 }
 
@@ -291,7 +291,7 @@ fn a_heap_of_spheres_that_hardly_roll_needs_half_the_steps() {
     let [compliances, eigenvalues] =
         [StepBound::Compliances, StepBound::Eigenvalues].map(|bound| {
             // 0.12 % of what is lost by the shorter steps: where springs against rolling break, the error is that of the step
-            let (n_steps, kinetic) = fall((bound, 4.0, 0.015), material.clone(), sphere);
+            let (n_steps, kinetic) = fall((bound, 4.0, 0.015), material, sphere);
             assert_below("kinetic energy", kinetic, 2e-3);
             n_steps
         });
