@@ -297,3 +297,32 @@ fn a_heap_of_spheres_that_hardly_roll_needs_half_the_steps() {
         });
     assert!(2 * eigenvalues < compliances);
 }
+
+/// A lattice of spheres that do not quite touch, let go above a floor: with nothing to bound the step at the start, it may not grow so much
+/// that they meet deep inside each other.
+#[test]
+fn a_lattice_that_nothing_touches_meets_in_short_steps() {
+    let mut definitions = vec![floor()];
+    for k in 0..64 {
+        let place = Vec3::new(f64::from(k % 4), f64::from(k / 4 % 4), f64::from(k / 16));
+        definitions.push(ball(place * 1.003 + Vec3::z() * 0.503, 0.5));
+    }
+    let settings = Settings {
+        gravity: on_slope(0.6),
+        step_bound: StepBound::Eigenvalues,
+        ..Settings::default()
+    };
+    let mut blocks = Blocks::new(definitions, vec![rock()], settings).unwrap();
+    let before = ledger(&blocks.energies());
+    let mut time = 0.0;
+    while time < 0.5 {
+        let dt = blocks.critical_time_step().dt.min(0.02);
+        blocks.advance(time, dt, 1).unwrap();
+        time += dt;
+    }
+    let energies = blocks.energies();
+    let moved = energies.friction + energies.damping + energies.kinetic;
+    // of second order in a step of a twentieth of a contact
+    let error = (ledger(&energies) - before).abs() / moved;
+    assert_below("ledger", error, 0.01);
+}
