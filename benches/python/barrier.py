@@ -169,7 +169,7 @@ def regimes(args):
         "unexplained", "wall [s]",
     ]])
     right = n = 0
-    for slope in args.slopes.split(","):
+    for slope in (args.slopes or "35,30").split(","):
         for opening in args.openings.split(","):
             folder, summary = run(args, f"slit {opening} --slope {slope}")
             barrier = summary["barriers"][0]

@@ -209,8 +209,8 @@ fn a_needle_needs_no_smaller_step_before_it_touches() {
     }
 }
 
-/// 27 bodies that fall into a bin, until a time (s): number of steps, and kinetic energy at the end over all that was lost. The step stays below the limit of
-/// all contacts together, and the ledger closes.
+/// 27 bodies that fall into a bin, until a time (s): number of steps, and kinetic energy at the end over all that was lost. The step stays
+/// below the limit of all contacts together, and the ledger closes.
 fn fall(
     (step_bound, until, largest_error): (StepBound, f64, f64),
     material: Material,

@@ -24,8 +24,8 @@ pub struct CriticalStep {
     pub contact: Option<(usize, usize)>,
 }
 
-/// Steps for which a bound by the eigenvalues of contacts is kept where all contacts are those of spheres: it takes as long as the rest of
-/// their step, and changes by little. Beside contacts of polyhedra it costs next to nothing, and to look ahead for less spares steps.
+/// Steps for which a bound by the eigenvalues of contacts is kept where all contacts are those of spheres: to find it takes as long as the rest
+/// of their step, and it changes by little. Beside contacts of polyhedra, whose points come and go, it is found anew in every step.
 const KEPT_STEPS: u32 = 4;
 
 /// Steps of a block that nothing touches, × that with the contacts that it may have next.
@@ -74,7 +74,7 @@ impl Blocks {
             let blocks = first..first + kinematics.len();
             self.least_by_motion(&others, blocks, by_contacts)
         };
-        let least = self.least_of(self.state.kinematics.as_slice(), CHUNK, &slowest);
+        let least = least_of(self.state.kinematics.as_slice(), CHUNK, &slowest);
         CriticalStep {
             dt: least.dt,
             block: (least.dt < f64::INFINITY).then_some(least.block),
@@ -86,18 +86,6 @@ impl Blocks {
                 .and_then(|rates| rates.contact)
                 .map(|contact| self.blocks_in_contact(contact)),
         }
-    }
-
-    /// Least of the bounds of chunks of a column.
-    fn least_of<T: Sync>(
-        &self,
-        column: &[T],
-        chunk: usize,
-        of: &(impl Fn(usize, &[T]) -> Bound + Sync),
-    ) -> Bound {
-        chunks::in_pool(column.len() > 8 * chunk, || {
-            chunks::reduce(column, chunk, of, &|a, b| if b.dt < a.dt { b } else { a })
-        })
     }
 
     /// Finds the bound by eigenvalues anew after a step, if it is old.
@@ -142,7 +130,7 @@ impl Blocks {
         };
         let slowest =
             |first: usize, rates: &[BlockRates]| self.least_by_contacts(&attached, first, rates);
-        self.least_of(self.state.rates.as_slice(), chunk, &slowest)
+        least_of(self.state.rates.as_slice(), chunk, &slowest)
     }
 
     /// Least bound of consecutive blocks from `first` on, by their contacts, strains, and springs and bolts attached to them, of which there
@@ -350,4 +338,15 @@ impl Blocks {
         // the positive root, in the form that is defined at g = 0
         margin / (v + (v * v + g * margin).sqrt())
     }
+}
+
+/// Least of the bounds of chunks of a column.
+fn least_of<T: Sync>(
+    column: &[T],
+    chunk: usize,
+    of: &(impl Fn(usize, &[T]) -> Bound + Sync),
+) -> Bound {
+    chunks::in_pool(column.len() > 8 * chunk, || {
+        chunks::reduce(column, chunk, of, &|a, b| if b.dt < a.dt { b } else { a })
+    })
 }

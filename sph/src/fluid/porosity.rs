@@ -43,9 +43,9 @@ impl Fluid {
         particles.porosity = porosity.to_vec();
     }
 
-    /// Takes over the porosity, above 0 (–), and the flux of grains `Σ_j φ_aj v_j` (m/s), at the present positions, in the present order. The
-    /// density of the water itself stays, but for the part `drawn` (–) of what parts it from that which its own flow has carried there. Returns the energy of compression that
-    /// this brought in; J.
+    /// Takes over the porosity, above 0 (–), and the flux of grains `Σ_j φ_aj v_j` (m/s), at the present positions, in the present order.
+    /// The density of the water itself stays, but for the part `drawn` (–) of what parts it from that which its own flow has carried
+    /// there. Returns the energy of compression that this brought in; J.
     pub fn share_with_grains(&mut self, (porosity, flux): (&[f64], &[Vec3]), drawn: f64) -> f64 {
         let Particles {
             density,
