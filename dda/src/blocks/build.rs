@@ -59,7 +59,7 @@ impl Blocks {
         this.sort_by_update();
         this.mark_movable_parts();
         this.place_parts(true);
-        this.find_candidates();
+        this.find_candidates(0.0);
         match settings.integrator {
             Integrator::CentralDifference => {
                 this.check_central_difference()?;
@@ -225,7 +225,7 @@ impl Blocks {
                 .push(Part::Sphere { center, radius }),
         }
         let (least_size, least_thickness) = least_of_the_large(&self.constants.reference[first..]);
-        let mut radius = 0.0_f64;
+        let (mut radius, mut least_margin) = (0.0_f64, f64::INFINITY);
         for part in &self.constants.reference[first..] {
             let (size, thickness) = (
                 part.size().max(least_size),
@@ -246,19 +246,22 @@ impl Blocks {
             self.constants
                 .material_of_part
                 .push(definition.material as u32);
-            self.constants.margin.push(if can_move {
+            let margin = if can_move {
                 f64::min(SKIN * size, SKIN_OF_THICKNESS * thickness)
             } else {
                 0.0
+            };
+            least_margin = least_margin.min(margin);
+            self.constants.margin.push(if part.is_sphere() {
+                3.0_f64.sqrt() * margin
+            } else {
+                margin
             });
             self.constants.size.push(size);
             self.constants.thickness.push(thickness);
         }
         self.constants.radius.push(radius);
-        let margins = self.constants.margin[first..].iter().copied();
-        self.constants
-            .least_margin
-            .push(margins.fold(f64::INFINITY, f64::min));
+        self.constants.least_margin.push(least_margin);
         self.constants
             .part_start
             .push(self.constants.reference.len() as u32);

@@ -47,6 +47,16 @@ impl Contacts {
         keep(&mut self.sphere_rolling, &left);
     }
 
+    /// Exchanges the columns of sphere pairs.
+    pub fn swap_spheres(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.sphere_pairs, &mut other.sphere_pairs);
+        std::mem::swap(&mut self.sphere_marks, &mut other.sphere_marks);
+        std::mem::swap(&mut self.sphere_contacts, &mut other.sphere_contacts);
+        std::mem::swap(&mut self.sphere_loads, &mut other.sphere_loads);
+        std::mem::swap(&mut self.sphere_rates, &mut other.sphere_rates);
+        std::mem::swap(&mut self.sphere_rolling, &mut other.sphere_rolling);
+    }
+
     /// Blocks and parts of every pair.
     pub fn all_pairs(&self) -> impl Iterator<Item = ((u32, u32), (u32, u32))> + '_ {
         let of_polyhedra = self.pairs.iter().map(|p| (p.blocks, p.parts));

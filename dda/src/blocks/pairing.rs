@@ -1,6 +1,6 @@
 //! The lists of pairs of parts that may touch, with their history.
 
-use super::NOWHERE;
+use super::{Contacts, NOWHERE};
 use crate::contact::context::ContactContext;
 use crate::contact::detection::broad_phase;
 use crate::contact::detection::broad_phase::Bounds;
@@ -13,9 +13,19 @@ use crate::contact::tally::PAIR_CHUNK;
 use crate::geometry::parts::Part;
 use crate::{Blocks, Motion, NormalLaw};
 
+/// Steps that a sphere takes to cross its margin, unless that is more than so many times that at rest: a few fast ones would have all pairs
+/// listed anew in each of their steps, or steps as short as a share of the margin at rest.
+const STEPS_PER_MARGIN: f64 = 16.0;
+const LARGEST_MARGIN: f64 = 5.0;
+/// Largest share of a margin above that at rest that a step may use up.
+const SHARE_OF_STEP: f64 = 0.25;
+/// Relative difference of margins that are equal.
+const ROUND_OFF: f64 = 1e-6;
+
 impl Blocks {
-    /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.
-    pub(crate) fn find_candidates(&mut self) {
+    /// Lists the pairs of parts whose fat boxes overlap, after a step (s); pairs that stay keep their history.
+    pub(crate) fn find_candidates(&mut self, dt: f64) {
+        self.note_margins(dt);
         for part in 0..self.derived.parts.len() {
             self.state.fat_boxes[part] =
                 if self.state.is_removed[self.constants.block_of_part[part] as usize] {
@@ -27,7 +37,7 @@ impl Blocks {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
         let (block_of, motion) = (&self.constants.block_of_part, &self.constants.motion);
         let parts = &self.derived.parts;
-        // The boxes of spheres overlap at their corners long before the spheres touch.
+        // The boxes of spheres overlap at their corners long before the spheres touch, which move by their margin in any direction.
         let may_meet = |i: usize, j: usize| match (&parts[i], &parts[j]) {
             (
                 Part::Sphere {
@@ -39,8 +49,7 @@ impl Blocks {
                     radius: s,
                 },
             ) => {
-                // Inside its fat box a sphere moves by the margin along each axis.
-                let reach = r + s + 3.0_f64.sqrt() * (self.margin_of(i) + self.margin_of(j));
+                let reach = r + s + self.margin_of(i) + self.margin_of(j);
                 (b - a).norm_squared() < reach * reach
             }
             _ => true,
@@ -64,7 +73,55 @@ impl Blocks {
 
     /// Margin of the fat box of a part, with its reach in this step; m.
     fn margin_of(&self, part: usize) -> f64 {
-        self.constants.margin[part] + self.scratch.reach_of(part)
+        self.scratch.margin[part] + self.scratch.reach_of(part)
+    }
+
+    /// Margins until pairs are listed next. That of a sphere follows its speed; bodies that may be thin keep theirs, which is a share of their
+    /// thickness.
+    fn note_margins(&mut self, dt: f64) {
+        let mut margin = std::mem::take(&mut self.scratch.margin);
+        margin.clone_from(&self.constants.margin);
+        for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
+            if let Some(part) = self.only_sphere(b) {
+                let way = STEPS_PER_MARGIN * dt * self.state.velocity[b].norm();
+                margin[part] = way.clamp(margin[part], LARGEST_MARGIN * margin[part]);
+            }
+        }
+        self.scratch.margin = margin;
+    }
+
+    /// Margin of a part that moves when pairs were last listed; m.
+    fn listed_margin(&self, part: usize) -> f64 {
+        let side = |(low, high): &Bounds| high.x - low.x;
+        0.5 * (side(&self.state.fat_boxes[part]) - side(&self.state.boxes[part]))
+    }
+
+    /// Longest way of a sphere in a step if its margin is larger than at rest: pairs are then listed anew a step before it may have crossed that. Zero
+    /// of others, and in contact dynamics, where a step has a reach; m.
+    pub(crate) fn lead_of(&self, part: usize) -> f64 {
+        if !(self.derived.parts[part].is_sphere() && self.scratch.reach.is_empty()) {
+            return 0.0;
+        }
+        let margin = self.listed_margin(part);
+        let is_fast = margin > (1.0 + ROUND_OFF) * self.constants.margin[part];
+        if is_fast { SHARE_OF_STEP * margin } else { 0.0 }
+    }
+
+    /// Has a part that moves used up its margin?
+    pub(crate) fn has_left(&self, part: usize) -> bool {
+        let (fat, bounds) = (&self.state.fat_boxes[part], &self.state.boxes[part]);
+        let reach = self.scratch.reach_of(part);
+        if let Part::Sphere { center, .. } = &self.derived.parts[part] {
+            let way = (center - 0.5 * (fat.0 + fat.1)).norm();
+            return !(way + reach + self.lead_of(part) <= self.listed_margin(part));
+        }
+        !broad_phase::holds(fat, &broad_phase::grown(bounds, reach))
+    }
+
+    /// Part of a block that is a single sphere.
+    pub(crate) fn only_sphere(&self, b: usize) -> Option<usize> {
+        let parts = self.parts_of(b);
+        (parts.len() == 1 && self.derived.parts[parts.start].is_sphere()).then_some(parts.start)
     }
 
     /// List of a pair of parts.
@@ -122,60 +179,56 @@ impl Blocks {
     }
 
     fn keep_sphere_pairs(&mut self) {
-        let mut old = std::mem::take(&mut self.scratch.sphere_pairs_before);
-        old.clear();
-        old.extend((0..self.contacts.sphere_pairs.len()).map(|k| {
-            SpherePairBefore {
-                pair: self.contacts.sphere_pairs[k],
-                mark: self.contacts.sphere_marks[k],
-                contact: self.contacts.sphere_contacts[k],
-                loads: self.contacts.sphere_loads[k],
-                rates: self.contacts.sphere_rates[k],
-                rolling: self
-                    .contacts
-                    .sphere_rolling
-                    .get(k)
-                    .copied()
-                    .unwrap_or_default(),
-            }
-        }));
+        let mut before = std::mem::take(&mut self.scratch.spheres_before);
+        let mut former = std::mem::take(&mut self.scratch.former);
+        before.swap_spheres(&mut self.contacts);
         self.contacts.sphere_pairs.clear();
-        self.contacts.sphere_marks.clear();
-        self.contacts.sphere_contacts.clear();
-        self.contacts.sphere_loads.clear();
-        self.contacts.sphere_rates.clear();
-        self.contacts.sphere_rolling.clear();
-        let mut rest = old.drain(..).peekable();
+        former.clear();
+        let mut rest = (0..).zip(&before.sphere_pairs).peekable();
         for k in 0..self.scratch.candidates.len() {
             let parts = self.scratch.candidates[k];
             if self.kind_of(parts) != PairKind::Sphere {
                 continue;
             }
-            while rest.next_if(|old| old.pair.parts < parts).is_some() {}
-            let row = rest
-                .next_if(|old| old.pair.parts == parts)
-                .unwrap_or_else(|| SpherePairBefore {
-                    pair: SpherePair {
-                        parts,
-                        blocks: self.blocks_of(parts),
-                    },
-                    mark: SphereMark::default(),
-                    contact: SphereContact::apart(self.scales_of(parts)),
-                    loads: SphereLoads::default(),
-                    rates: PairRates::default(),
-                    rolling: Rolling::default(),
-                });
-            self.contacts.sphere_pairs.push(row.pair);
-            self.contacts.sphere_marks.push(row.mark);
-            self.contacts.sphere_contacts.push(row.contact);
-            self.contacts.sphere_loads.push(row.loads);
-            self.contacts.sphere_rates.push(row.rates);
-            if self.constants.has_rolling {
-                self.contacts.sphere_rolling.push(row.rolling);
-            }
+            while rest.next_if(|(_, old)| old.parts < parts).is_some() {}
+            let old = rest.next_if(|(_, old)| old.parts == parts);
+            former.push(old.map_or(NEW, |(k, _)| k));
+            let blocks = self.blocks_of(parts);
+            self.contacts
+                .sphere_pairs
+                .push(SpherePair { parts, blocks });
         }
-        drop(rest);
-        self.scratch.sphere_pairs_before = old;
+        let mut now = std::mem::take(&mut self.contacts);
+        let Contacts {
+            sphere_pairs,
+            sphere_marks,
+            sphere_contacts,
+            sphere_loads,
+            sphere_rates,
+            sphere_rolling,
+            ..
+        } = &mut now;
+        let apart = |k: usize| SphereContact::apart(self.scales_of(sphere_pairs[k].parts));
+        rayon::join(
+            || {
+                follow(sphere_contacts, &before.sphere_contacts, &former, apart);
+                let new = |_| SphereMark::default();
+                follow(sphere_marks, &before.sphere_marks, &former, new);
+            },
+            || {
+                let new = |_| SphereLoads::default();
+                follow(sphere_loads, &before.sphere_loads, &former, new);
+                let new = |_| PairRates::default();
+                follow(sphere_rates, &before.sphere_rates, &former, new);
+                if self.constants.has_rolling {
+                    let new = |_| Rolling::default();
+                    follow(sphere_rolling, &before.sphere_rolling, &former, new);
+                }
+            },
+        );
+        self.contacts = now;
+        self.scratch.spheres_before = before;
+        self.scratch.former = former;
     }
 
     /// Surfaces are few: the pairs are sorted by candidates, whichever of the two the body is.
@@ -279,15 +332,17 @@ impl Blocks {
     }
 }
 
-/// A row of all columns of the pairs with a sphere, while their list is rebuilt.
-#[derive(Clone, Debug)]
-pub(crate) struct SpherePairBefore {
-    pair: SpherePair,
-    mark: SphereMark,
-    contact: SphereContact,
-    loads: SphereLoads,
-    rates: PairRates,
-    rolling: Rolling,
+/// Of a pair that was not on the list before.
+const NEW: u32 = u32::MAX;
+
+/// Fills a column of pairs with what they had before, or with that of new ones.
+fn follow<T: Copy>(column: &mut Vec<T>, before: &[T], former: &[u32], new: impl Fn(usize) -> T) {
+    column.clear();
+    let rows = former.iter().enumerate();
+    column.extend(rows.map(|(k, &old)| match old {
+        NEW => new(k),
+        old => before[old as usize],
+    }));
 }
 
 /// List of a pair.

@@ -32,6 +32,11 @@ impl Rates {
         }
     }
 
+    pub fn add(&mut self, other: &Self) {
+        self.stiffness += other.stiffness;
+        self.damping += other.damping;
+    }
+
     /// The larger of each.
     pub fn larger(self, other: &Self) -> Self {
         Self {

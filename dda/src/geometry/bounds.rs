@@ -54,24 +54,28 @@ pub(crate) fn candidates(
             found.push((low, high));
         }
     };
-    let of_small = |small: &[u32]| {
+    let of_small = |first: usize, small: &[u32]| {
         let mut found = Vec::new();
-        for &i in small.iter().filter(|&&i| can_move[i as usize]) {
-            // of two that can move the lower one lists the pair
-            let is_first = |j: u32| i < j || (i != j && !can_move[j as usize]);
-            cells.around(&boxes[i as usize], |j| {
-                if is_first(j) {
+        for (place, &i) in (first..).zip(small) {
+            let moves = can_move[i as usize];
+            cells.after(place, |j| {
+                if moves || can_move[j as usize] {
                     list(i, j, &mut found);
                 }
             });
-            tree.touching(&boxes[i as usize], |j| list(i, j, &mut found));
+            if moves {
+                tree.touching(&boxes[i as usize], |j| list(i, j, &mut found));
+            }
         }
         found
     };
     let chunks: Vec<Vec<(u32, u32)>> = if cells.order.len() <= AT_ONCE {
-        vec![of_small(&cells.order)]
+        vec![of_small(0, &cells.order)]
     } else {
-        cells.order.par_chunks(AT_ONCE).map(of_small).collect()
+        let chunks = cells.order.par_chunks(AT_ONCE).enumerate();
+        chunks
+            .map(|(k, small)| of_small(k * AT_ONCE, small))
+            .collect()
     };
     chunks.iter().for_each(|found| pairs.extend(found));
     for &i in tree.numbers.iter().filter(|&&i| can_move[i as usize]) {
@@ -98,8 +102,9 @@ const CELLS_PER_BOX: f64 = 4.0;
 
 /// Small boxes by the cell of their middle, whose side is the largest of theirs: those that overlap are in cells side by side.
 struct Cells {
-    /// Numbers of the boxes, cell by cell.
+    /// Numbers of the boxes, cell by cell, and the boxes in that order.
     order: Vec<u32>,
+    boxes: Vec<Bounds>,
     /// First place of each cell in the order, with one past the last.
     start: Vec<u32>,
     n: [usize; 3],
@@ -138,6 +143,7 @@ impl Cells {
             .collect();
         let mut cells = Self {
             order: vec![0; small.len()],
+            boxes: Vec::new(),
             start: Vec::new(),
             n: [1; 3],
             corner: Vec3::zeros(),
@@ -174,6 +180,7 @@ impl Cells {
             order[*place as usize] = i as u32;
             *place += 1;
         }
+        cells.boxes = order.iter().map(|&i| boxes[i as usize]).collect();
         (cells.start, cells.order) = (start, order);
         cells
     }
@@ -186,19 +193,28 @@ impl Cells {
         (k * self.n[1] + j) * self.n[0] + i
     }
 
-    /// Small boxes in the cells around the middle of a small one, itself among them.
-    fn around(&self, bounds: &Bounds, mut each: impl FnMut(u32)) {
-        let place = self.place(&middle(bounds));
-        let range =
-            |axis: usize| place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.n[axis] - 1);
-        for k in range(2) {
-            for j in range(1) {
-                // cells side by side along x are one piece
-                let row = range(0);
-                let first = self.start[self.index([*row.start(), j, k])] as usize;
-                let last = self.start[self.index([*row.end(), j, k]) + 1] as usize;
-                self.order[first..last].iter().for_each(|&i| each(i));
-            }
+    /// Small boxes that overlap the one at a place of the order, each pair of them found at one of its places only: those after it in its own cell,
+    /// and those in half of the cells around.
+    fn after(&self, place: usize, mut each: impl FnMut(u32)) {
+        let bounds = &self.boxes[place];
+        let [i, j, k] = self.place(&middle(bounds));
+        let (west, east) = (i.saturating_sub(1), (i + 1).min(self.n[0] - 1));
+        // cells side by side along x are one piece
+        let end = |j: usize, k: usize| self.start[self.index([east, j, k]) + 1] as usize;
+        let row = |j: usize, k: usize| self.start[self.index([west, j, k])] as usize..end(j, k);
+        let mut look = |places: std::ops::Range<usize>| {
+            let others = self.boxes[places.clone()].iter().zip(&self.order[places]);
+            others
+                .filter(|(other, _)| overlap(bounds, other))
+                .for_each(|(_, &number)| each(number));
+        };
+        look(place + 1..end(j, k));
+        if j + 1 < self.n[1] {
+            look(row(j + 1, k));
+        }
+        if k + 1 < self.n[2] {
+            let rows = j.saturating_sub(1)..=(j + 1).min(self.n[1] - 1);
+            rows.for_each(|j| look(row(j, k + 1)));
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Steps of the blocks, by the integrator of the settings.
 
 use crate::blocks::CHUNK;
-use crate::contact::detection::broad_phase;
-use crate::contact::detection::broad_phase::Bounds;
+use crate::contact::rates::KeptBound;
 use crate::contact::tally::PAIR_CHUNK;
 use crate::step::phase::Phase;
 use crate::{Blocks, Integrator, Settings, StepBound, StepError, chunks};
@@ -140,26 +139,24 @@ impl Blocks {
     }
 
     /// Positions of the parts after a drift, and the pairs that may touch there.
-    pub(crate) fn move_parts(&mut self, ended: &mut impl FnMut(Phase)) {
+    pub(crate) fn move_parts(&mut self, dt: f64, ended: &mut impl FnMut(Phase)) {
         self.place_parts(false);
         ended(Phase::Motion);
         if self.is_skin_used_up() {
-            self.find_candidates();
+            self.find_candidates(dt);
+            // it knows nothing of new pairs
+            self.state.bound = KeptBound::default();
         }
         ended(Phase::BroadPhase);
     }
 
     fn is_skin_used_up(&self) -> bool {
-        let leaves = |first: usize, (fat, boxes): (&[Bounds], &[Bounds])| {
+        let leaves = |first: usize, can_move: &[bool]| {
             (first..)
-                .zip(fat.iter().zip(boxes))
-                .any(|(part, (fat, bounds))| {
-                    let reach = self.scratch.reach_of(part);
-                    self.derived.can_move[part]
-                        && !broad_phase::holds(fat, &broad_phase::grown(bounds, reach))
-                })
+                .zip(can_move)
+                .any(|(part, can_move)| *can_move && self.has_left(part))
         };
-        let columns = (self.state.fat_boxes.as_slice(), self.state.boxes.as_slice());
-        chunks::reduce(columns, CHUNK, &leaves, &|a, b| a || b)
+        let can_move = self.derived.can_move.as_slice();
+        chunks::reduce(can_move, CHUNK, &leaves, &|a, b| a || b)
     }
 }

@@ -50,7 +50,7 @@ impl Blocks {
         self.account_half_kick(dt);
         self.half_kick(dt);
         self.drift(from, to, dt);
-        self.move_parts(ended);
+        self.move_parts(dt, ended);
         self.evaluate_contacts(dt, ended);
         self.evaluate_attachments(false);
         self.book_external_work(dt);

@@ -13,7 +13,6 @@ use crate::contact::rates::{BlockRates, Rates};
 use crate::contact::spread::Spread;
 use crate::contact::spring::Spring;
 use crate::geometry::bounds;
-use crate::geometry::parts::Part;
 use crate::motion::kinematics::Kinematics;
 use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, Vec3};
@@ -192,7 +191,7 @@ impl Blocks {
         if body.strain_rate.is_some() {
             return None;
         }
-        if self.is_sphere(b) {
+        if self.only_sphere(b).is_some() {
             return Some(self.largest_rates_of_sphere(b));
         }
         let mut held = Held::default();
@@ -221,13 +220,6 @@ impl Blocks {
             stiffness: held.stiffness.largest_rate(body, is_isotropic)?,
             damping: held.damping.largest_rate(body, is_isotropic)?,
         })
-    }
-
-    fn is_sphere(&self, b: usize) -> bool {
-        self.derived.parts[self.parts_of(b)]
-            .iter()
-            .all(Part::is_sphere)
-            && self.parts_of(b).len() == 1
     }
 
     /// The same of a sphere. Those of its contacts with surfaces are added up.

@@ -104,7 +104,7 @@ impl Blocks {
         ended: &mut impl FnMut(Phase),
     ) -> Option<OpenJoint> {
         self.note_reach(dt);
-        self.move_parts(ended);
+        self.move_parts(dt, ended);
         self.set_mean_velocities(time, dt);
         self.evaluate_attachments(false);
         let touches = self.touches(dt);

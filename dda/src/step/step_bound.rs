@@ -277,18 +277,31 @@ impl Blocks {
         (i as usize, j as usize)
     }
 
+    /// Twice the longest way of a block in a step: the least margin of its fat boxes, or that of a fast sphere; m.
+    fn margin_of_step(&self, b: usize) -> f64 {
+        let lead = self.only_sphere(b).map_or(0.0, |part| self.lead_of(part));
+        self.constants.least_margin[b].max(2.0 * lead)
+    }
+
+    /// Speed of the points of a block as it turns: those of a sphere stay within it; m/s.
+    fn turning_speed(&self, b: usize) -> f64 {
+        match self.only_sphere(b) {
+            Some(_) => 0.0,
+            None => self.state.kinematics[b].spin.norm() * self.constants.radius[b],
+        }
+    }
+
     /// Quick and conservative check for a travel within `dt` (s) of more than half the margin of a block.
     fn may_travel_too_far(&self, b: usize, fastest_path: f64, dt: f64) -> bool {
         let body = &self.state.kinematics[b];
         let radius = self.constants.radius[b];
         let mut square = fastest_path * fastest_path
             + body.velocity.norm_squared()
-            + body.spin.norm_squared() * (radius * radius);
+            + self.turning_speed(b).powi(2);
         if let Some(rate) = &body.strain_rate {
             square += rate.norm_squared() * (radius * radius);
         }
-        let way = 0.5
-            * (self.constants.least_margin[b] - self.constants.settings.gravity.norm() * dt * dt);
+        let way = 0.5 * (self.margin_of_step(b) - self.constants.settings.gravity.norm() * dt * dt);
         // (a + b + c + d)² ≤ 4 (a² + b² + c² + d²). The step is infinite while nothing bounds it.
         !(way > 0.0 && 4.0 * square * dt * dt <= way * way)
     }
@@ -327,10 +340,10 @@ impl Blocks {
     /// Time in which no point of the block, with the fastest path (m/s) against it, moves by more than half its margin, gravity
     /// included: `v t + g t²/2 = margin/2`; s.
     fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
-        let margin = self.constants.least_margin[b];
+        let margin = self.margin_of_step(b);
         let v = fastest_path
             + self.state.velocity[b].norm()
-            + self.state.kinematics[b].spin.norm() * self.constants.radius[b]
+            + self.turning_speed(b)
             + self.state.kinematics[b]
                 .strain_rate
                 .map_or(0.0, |rate| rate.norm() * self.constants.radius[b]);

@@ -21,6 +21,7 @@ mod law;
 mod rolling;
 mod sides;
 
+use crate::StepBound;
 use crate::contact::context::ContactContext;
 use crate::contact::detection::manifold::PointManifold;
 use crate::contact::detection::spheres::{effective_radius, of_two, with_body};
@@ -29,6 +30,7 @@ use crate::contact::rates::Rates;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::material::{RollingLaw, SphereJoint};
+use crate::motion::kinematics::Kinematics;
 pub(crate) use feet::{SphereOnSurface, SurfaceLaw};
 use law::book_first_half;
 pub(crate) use law::{SphereContact, SphereLoads};
@@ -208,7 +210,12 @@ impl SphereRow<'_> {
 }
 
 impl SpherePair {
-    /// Rates of a pair that may touch in the next step.
+    /// Rates of a pair that may touch in the next step. With [`StepBound::Eigenvalues`] those of the two alone,
+    ///
+    /// ```text
+    /// Λ_K = max(k_n (1/m_i + 1/m_j), k_t (w_i + w_j)) + k_r (1/J_i + 1/J_j),   w = 1/m + r²/J                [1/s²]
+    /// ```
+    /// as a force along the normal does not turn a sphere; of a body that is none `w` stands for `1/m`, too.
     fn rates_before_touch<A: Side, B: Side>(
         &self,
         law: &Law,
@@ -226,7 +233,20 @@ impl SpherePair {
             mobility,
         };
         let lever_arm = |block: u32| &context.lever_arm[block as usize];
-        let bodies = ((a, lever_arm(self.blocks.0)), (b, lever_arm(self.blocks.1)));
-        springs.before_touch(bodies, context.step_bound)
+        let arms = (lever_arm(self.blocks.0), lever_arm(self.blocks.1));
+        if context.step_bound == StepBound::Compliances {
+            return springs.before_touch(((a, arms.0), (b, arms.1)), context.step_bound);
+        }
+        let (first, second) = (
+            sides.0.largest_compliances(arms.0),
+            sides.1.largest_compliances(arms.1),
+        );
+        let mut rates = springs.of_two(first.0 + second.0, first.1 + second.1);
+        rates.add(&Rolling::rates_before_touch(law, stiffness, sides));
+        let of = |body: &Kinematics| match body.inverse_mass > 0.0 {
+            true => rates,
+            false => Rates::default(),
+        };
+        (of(a), of(b))
     }
 }

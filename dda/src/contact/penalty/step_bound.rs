@@ -54,7 +54,8 @@ impl Springs {
                         0.0
                     }
                 };
-                let rates = self.of_two(largest(a) + largest(b));
+                let compliance = largest(a) + largest(b);
+                let rates = self.of_two(compliance, compliance);
                 (of(a.0, rates), of(b.0, rates))
             }
         }
@@ -72,15 +73,15 @@ impl Springs {
         }
     }
 
-    /// Largest eigenvalues of two bodies of a sum of compliances (1/kg), held by nothing else.
-    fn of_two(&self, compliance: f64) -> Rates {
+    /// Largest eigenvalues of two bodies held by nothing else, of sums of compliances along the normal and across it; 1/kg.
+    pub fn of_two(&self, along: f64, across: f64) -> Rates {
         let (k_n, k_t) = self.stiffness;
         let (xi_n, xi_t) = self.damping_ratio;
-        let along = 2.0 * xi_n * (k_n * compliance).sqrt();
-        let across = 2.0 * xi_t * (k_t / self.mobility).sqrt() * compliance;
+        let damping_along = 2.0 * xi_n * (k_n * along).sqrt();
+        let damping_across = 2.0 * xi_t * (k_t / self.mobility).sqrt() * across;
         Rates {
-            stiffness: k_n.max(k_t) * compliance,
-            damping: along.max(across),
+            stiffness: f64::max(k_n * along, k_t * across),
+            damping: damping_along.max(damping_across),
         }
     }
 }

@@ -4,6 +4,7 @@ use super::{Law, sides::Side};
 use crate::Vec3;
 use crate::contact::detection::manifold::PointManifold;
 use crate::contact::penalty::friction::carry;
+use crate::contact::rates::Rates;
 use crate::contact::tally::Tally;
 use crate::material::RollingLaw;
 use serde::{Deserialize, Serialize};
@@ -50,12 +51,41 @@ impl Rolling {
         }
     }
 
+    /// Rates of a pair that may touch, of a normal stiffness (N/m).
+    pub(super) fn rates_before_touch<A: Side, B: Side>(
+        law: &Law,
+        normal_stiffness: f64,
+        sides: &(A, B),
+    ) -> Rates {
+        let mobilities = (
+            sides.0.kinematics().rolling_mobility(),
+            sides.1.kinematics().rolling_mobility(),
+        );
+        let rolling = Self {
+            stiffness: law.rolling_stiffness(normal_stiffness),
+            ..Self::default()
+        };
+        let dashpots = rolling.dashpots(law.rolling_law, mobilities);
+        Rates {
+            stiffness: rolling.stiffness * (mobilities.0 + mobilities.1),
+            damping: dashpots.0 * mobilities.0 + dashpots.1 * mobilities.1,
+        }
+    }
+
     /// Books half a step (s) of the torques.
     pub(super) fn book_half<A: Side, B: Side>(&self, dt: f64, sides: &(A, B), tally: &mut Tally) {
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let power = self.torques.0.dot(&a.spin) + self.torques.1.dot(&b.spin);
         tally.friction -= 0.5 * dt * power;
         tally.rolling_impulse += (self.torques.0 + self.torques.1) * (0.5 * dt);
+    }
+}
+
+impl Law<'_> {
+    /// `k_r`, of a normal stiffness (N/m); N m.
+    fn rolling_stiffness(&self, normal_stiffness: f64) -> f64 {
+        let arm = self.joint.rolling_friction * self.effective_radius;
+        2.25 * normal_stiffness * arm * arm
     }
 }
 
@@ -75,8 +105,7 @@ impl Rolling {
     ) -> (f64, f64) {
         let n = found.normal;
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
-        let arm = law.joint.rolling_friction * law.effective_radius;
-        let stiffness = 2.25 * normal_stiffness * arm * arm;
+        let stiffness = law.rolling_stiffness(normal_stiffness);
         let kept = if stiffness > self.stiffness {
             self.stiffness / stiffness
         } else {

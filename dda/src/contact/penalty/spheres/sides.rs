@@ -1,7 +1,7 @@
 //! The two sides of a contact: a sphere, or any other body.
 
 use crate::Vec3;
-use crate::motion::kinematics::Kinematics;
+use crate::motion::kinematics::{Kinematics, LeverArm};
 
 /// One side of a contact. A sphere answers without its inertia tensor.
 pub(super) trait Side {
@@ -12,6 +12,8 @@ pub(super) trait Side {
     fn compliance(&self, x: &Vec3, n: &Vec3) -> f64;
     /// See [`Kinematics::compliance_trace`], of a sphere what no overlap exceeds; 1/kg.
     fn compliance_trace(&self, x: &Vec3) -> f64;
+    /// Upper bounds of the compliance along the normal and across it; 1/kg.
+    fn largest_compliances(&self, lever_arm: &LeverArm) -> (f64, f64);
     /// `tr J⁻¹`; 1/(kg m²).
     fn turning_trace(&self) -> f64;
     /// Spin opposed by [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin), nonzero for spheres only; rad/s.
@@ -59,6 +61,11 @@ impl Side for Ball<'_> {
         3.0 * self.0.inverse_mass + 2.0 * self.0.inverse_inertia.m11 * (self.1 * self.1)
     }
 
+    fn largest_compliances(&self, _: &LeverArm) -> (f64, f64) {
+        let turning = self.0.inverse_inertia.m11 * (self.1 * self.1);
+        (self.0.inverse_mass, self.0.inverse_mass + turning)
+    }
+
     fn turning_trace(&self) -> f64 {
         3.0 * self.0.inverse_inertia.m11
     }
@@ -90,6 +97,14 @@ impl Side for Body<'_> {
 
     fn compliance_trace(&self, x: &Vec3) -> f64 {
         self.0.compliance_trace(x)
+    }
+
+    fn largest_compliances(&self, lever_arm: &LeverArm) -> (f64, f64) {
+        let largest = match self.0.inverse_mass > 0.0 {
+            true => self.0.largest_compliance(lever_arm),
+            false => 0.0,
+        };
+        (largest, largest)
     }
 
     fn turning_trace(&self) -> f64 {
