@@ -326,3 +326,105 @@ fn a_lattice_that_nothing_touches_meets_in_short_steps() {
     let error = (ledger(&energies) - before).abs() / moved;
     assert_below("ledger", error, 0.01);
 }
+
+/// Sixteen spheres at rest on a floor, and two that roll away from them at a speed (m/s).
+fn spheres_at_rest_beside_rolling_ones(speed: f64, step_bound: StepBound) -> Blocks {
+    let mut definitions = vec![floor()];
+    for k in 0..16 {
+        let place = Vec3::new(f64::from(k % 4), f64::from(k / 4), 0.0);
+        definitions.push(ball(place * 0.1 + Vec3::z() * 0.05, 0.05));
+    }
+    for y in [-1.0, 1.0] {
+        let mut rolling = ball(Vec3::new(1.0, y, 0.05), 0.05);
+        rolling.velocity = Vec3::x() * speed;
+        rolling.angular_velocity = Vec3::y() * (speed / 0.05);
+        definitions.push(rolling);
+    }
+    let material = Material {
+        contact_stiffness: 1e6,
+        ..rock()
+    };
+    let settings = Settings {
+        step_bound,
+        ..Settings::default()
+    };
+    Blocks::new(definitions, vec![material], settings).unwrap()
+}
+
+/// Spheres that race away from a heap, as grains do that have passed a barrier, do not hold its step.
+#[test]
+fn a_few_fast_spheres_do_not_hold_the_step() {
+    for step_bound in [StepBound::Compliances, StepBound::Eigenvalues] {
+        let mean_step = |speed: f64| {
+            let mut blocks = spheres_at_rest_beside_rolling_ones(speed, step_bound);
+            let mut time = 0.0;
+            for _ in 0..200 {
+                let dt = blocks.critical_time_step().dt;
+                blocks.advance(time, dt, 1).unwrap();
+                time += dt;
+            }
+            assert!(blocks.n_contacts() > 16, "{}", blocks.n_contacts());
+            time / 200.0
+        };
+        let (slow, fast) = (mean_step(0.0), mean_step(20.0));
+        println!("{step_bound:?}: steps of {slow:.3e} and {fast:.3e} s");
+        // 20 m/s times such a step are less than a quarter of the largest margin; a share of the margin at rest was 0.1 ms
+        assert!(slow * 20.0 < 0.0085, "{slow}");
+        // a dozen steps go by until margins have grown
+        assert_close("step", fast, slow, 0.02);
+    }
+}
+
+/// A gas of spheres that bounce without loss in a box, with the margins of fast spheres at work: what is not listed in time, or not
+/// counted in the step, would make energy.
+#[test]
+fn a_gas_of_fast_spheres_keeps_its_energy() {
+    let wall = |from: [f64; 3], to: [f64; 3]| block(cuboid(from, to), Motion::Fixed);
+    let mut definitions = vec![
+        wall([-1.2, -1.2, -1.2], [1.2, 1.2, -1.0]),
+        wall([-1.2, -1.2, 1.0], [1.2, 1.2, 1.2]),
+        wall([-1.2, -1.2, -1.0], [1.2, -1.0, 1.0]),
+        wall([-1.2, 1.0, -1.0], [1.2, 1.2, 1.0]),
+        wall([-1.2, -1.0, -1.0], [-1.0, 1.0, 1.0]),
+        wall([1.0, -1.0, -1.0], [1.2, 1.0, 1.0]),
+    ];
+    let mut random = Random::new(7);
+    for k in 0..125 {
+        let place = Vec3::new(f64::from(k % 5), f64::from(k / 5 % 5), f64::from(k / 25));
+        let center = (place - Vec3::repeat(2.0)) * 0.4 + random.vector() * 0.05;
+        let mut sphere = ball(center, 0.05 + 0.03 * random.next());
+        // most are slow, every fifth is fast
+        sphere.velocity = random.vector() * if k % 5 == 0 { 40.0 } else { 0.5 };
+        definitions.push(sphere);
+    }
+    let material = Material {
+        restitution: 1.0,
+        friction_angle: 0.0,
+        contact_stiffness: 1e8,
+        shear_damping_ratio: 0.0,
+        ..rock()
+    };
+    for step_bound in [StepBound::Compliances, StepBound::Eigenvalues] {
+        let settings = Settings {
+            gravity: Vec3::zeros(),
+            step_bound,
+            ..Settings::default()
+        };
+        let mut blocks = Blocks::new(definitions.clone(), vec![material], settings).unwrap();
+        let before = ledger(&blocks.energies());
+        let (mut time, mut steps, mut worst) = (0.0, 0, 0.0_f64);
+        while time < 0.5 {
+            let dt = blocks.critical_time_step().dt.min(0.5e-3);
+            blocks.advance(time, dt, 1).unwrap();
+            (time, steps) = (time + dt, steps + 1);
+            worst = worst.max((ledger(&blocks.energies()) - before).abs() / before);
+        }
+        println!(
+            "{step_bound:?}: {steps} steps, {} contact updates, {:.2e} of the energy at the end",
+            blocks.contact_updates(),
+            (ledger(&blocks.energies()) - before) / before
+        );
+        assert!(blocks.contact_updates() > 1000);
+        assert_below(&format!("energy, {step_bound:?}"), worst, 0.01);
+    }
+}

@@ -31,6 +31,10 @@ const KEPT_STEPS: u32 = 4;
 /// Steps of a block that nothing touches, × that with the contacts that it may have next.
 const FLIGHTS: [f64; 2] = [16.0, 4.0];
 
+/// Stable steps of a sphere over those with which something meets it that nothing else touches: an impact of two then takes four steps. With two,
+/// as many as are stable, a gas of spheres that bounce without loss made 4 % of its energy in sixty hits each, with four less than 1 %.
+const STEPS_OF_IMPACT: f64 = 2.0;
+
 /// What a block may run into.
 struct Others {
     /// Is there any?
@@ -226,12 +230,16 @@ impl Blocks {
     }
 
     /// Stiffness (1/s²) and damping (1/s) of a block that nothing touches, from those that something may give it next: they are as many
-    /// times less as steps may be longer before that is in reach.
+    /// times less as steps may be longer before that is in reach, and of a sphere more once it is.
     fn of_free_flight(&self, b: usize, (k, c): (f64, f64)) -> (f64, f64) {
         let step = self.longest_step(k, c);
         let is_free_for =
             |&longer: &f64| self.next_rates(b, self.horizon() * longer * step) == Rates::default();
-        let longer = FLIGHTS.into_iter().find(is_free_for).unwrap_or(1.0);
+        let longer = match FLIGHTS.into_iter().find(is_free_for) {
+            Some(longer) => longer,
+            None if self.only_sphere(b).is_some() => 1.0 / STEPS_OF_IMPACT,
+            None => 1.0,
+        };
         (k / (longer * longer), c / longer)
     }
 
