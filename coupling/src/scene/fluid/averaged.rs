@@ -16,6 +16,8 @@ use crate::walls::WallMethod;
 
 /// Diameter from which on water flows around a grain; × spacing.
 const RESOLVED: f64 = 8.0;
+/// By how much spacings differ from the drawn one where water is fitted to its volume; –.
+const FITTED: f64 = 0.01;
 /// Diameter up to which a grain is small beside the particles of water; × spacing.
 const SMALL: f64 = 2.0;
 /// Radius of the averaging kernel; × diameter. Water that a grain drags along makes it fall too fast by the diameter over this
@@ -29,6 +31,11 @@ const HEAVY: f64 = 3.0;
 /// (1985).
 const HOLDING: f64 = 0.0477;
 
+/// Does water flow around a grain of a diameter over the spacing?
+fn is_wide(width: f64) -> bool {
+    (1.0 - FITTED) * RESOLVED <= width
+}
+
 /// Whether the forces between the grains of a list and the water are averages; the problem if the file leaves that open.
 pub(in crate::scene) fn is_averaged(
     (index, list): (usize, &GrainsFile),
@@ -41,7 +48,7 @@ pub(in crate::scene) fn is_averaged(
         (InWaterFile::Resolved, _) => Ok(false),
         (InWaterFile::Averaged, _) => Ok(true),
         (InWaterFile::Auto, ResolutionFile::Spacing(spacing)) => {
-            Ok(list.smallest() < RESOLVED * spacing)
+            Ok(!is_wide(list.smallest() / spacing))
         }
         (InWaterFile::Auto, ResolutionFile::Count(_)) => Err(Problem::error(
             Code::MissingField,
@@ -74,7 +81,7 @@ pub(in crate::scene) fn averaged(
     };
     for list in lists {
         let width = list.diameters[0] / spacing;
-        if !list.is_averaged && width < RESOLVED {
+        if !list.is_averaged && !is_wide(width) {
             problems.push(of_list(list, format!(
                 "{width:.1} spacings wide, less than the {RESOLVED} at which water flows around them; their drag is not resolved. \
                  Take `in_water: Averaged`, or a spacing of {:.4} m",

@@ -187,6 +187,7 @@ impl ShearSpring {
 
 /// Shear displacement carried into the present plane: turned with the pair about `n`, projected,
 /// and brought back to its length.
+#[inline]
 pub(crate) fn carry(shear: &Vec3, n: &Vec3, turn: f64) -> Vec3 {
     let square = shear.norm_squared();
     if square == 0.0 {

@@ -83,6 +83,7 @@ pub(crate) struct SphereLoads {
 }
 
 /// Work of the forces in the first half of the step, and what the springs across the normal held.
+#[inline]
 pub(super) fn book_first_half<A: Side, B: Side>(
     contact: &SphereContact,
     loads: &SphereLoads,
@@ -121,6 +122,7 @@ impl SphereContact {
     /// 3. shear spring, up to Coulomb's limit;
     /// 4. work of the second half of the step;
     /// 5. rolling resistance.
+    #[inline]
     pub(super) fn apply<A: Side, B: Side>(
         &mut self,
         found: &PointManifold,
@@ -156,7 +158,7 @@ impl SphereContact {
         self.normal_viscous = self.normal_force - spring.force;
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
-        let shear = self.slide(law, &slip, turn, shear_stiffness);
+        let shear = self.slide(law, &n, (&slip, turn), shear_stiffness);
         tally.damping -= 0.5 * dt * self.normal_viscous * opening;
         tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
         *loads = SphereLoads {
@@ -181,7 +183,14 @@ impl SphereContact {
 
     /// Advances the shear spring by a slip (m/s), turned with the pair about the normal (rad), under the present normal
     /// force; returns the shear force on j; N.
-    fn slide(&mut self, law: &Law, slip: &Vec3, turn: f64, stiffness: f64) -> Vec3 {
+    #[inline(always)]
+    fn slide(
+        &mut self,
+        law: &Law,
+        normal: &Vec3,
+        (slip, turn): (&Vec3, f64),
+        stiffness: f64,
+    ) -> Vec3 {
         let joint = law.joint;
         // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
         let kept = if stiffness > self.shear_stiffness {
@@ -189,7 +198,7 @@ impl SphereContact {
         } else {
             1.0
         };
-        let mut stretch = carry(&self.shear, &self.normal, turn) * kept + slip * law.dt;
+        let mut stretch = carry(&self.shear, normal, turn) * kept + slip * law.dt;
         let mut shear = -stretch * stiffness - slip * self.dashpot;
         let friction = if self.is_slipping {
             joint.dynamic_friction

@@ -73,6 +73,7 @@ impl Rolling {
     }
 
     /// Books half a step (s) of the torques.
+    #[inline]
     pub(super) fn book_half<A: Side, B: Side>(&self, dt: f64, sides: &(A, B), tally: &mut Tally) {
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let power = self.torques.0.dot(&a.spin) + self.torques.1.dot(&b.spin);
@@ -95,6 +96,7 @@ const ROLLING_DAMPING_RATIO: f64 = 0.3;
 impl Rolling {
     /// Advances the springs by the turning of a step and finds the torques, each at most `limit` (N m). Returns
     /// the dashpot of each side; N m s.
+    #[inline]
     pub(super) fn apply<A: Side, B: Side>(
         &mut self,
         law: &Law,
