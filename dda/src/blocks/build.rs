@@ -252,6 +252,7 @@ impl Blocks {
                 0.0
             };
             least_margin = least_margin.min(margin);
+            // pairs of spheres are listed by distance, not by boxes: as many as with boxes of that margin
             self.constants.margin.push(if part.is_sphere() {
                 3.0_f64.sqrt() * margin
             } else {

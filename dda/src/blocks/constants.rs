@@ -30,7 +30,7 @@ pub(crate) struct Constants {
     pub radius: Vec<f64>,
     /// Worst point of contact.
     pub lever_arm: Vec<LeverArm>,
-    /// Least margin of the fat boxes of its parts; m.
+    /// Twice the longest way in a step: the least margin of the fat boxes of its parts, of spheres that along an axis; m.
     pub least_margin: Vec<f64>,
     /// First part of each block, then the number of parts; n_blocks + 1.
     pub part_start: Vec<u32>,
@@ -40,7 +40,7 @@ pub(crate) struct Constants {
     pub material_of_part: Vec<u32>,
     /// Geometry about the initial centroid, in the initial axes; one per part.
     pub reference: Vec<Part>,
-    /// Margin of the fat box, zero if the part cannot move; one per part; m.
+    /// Margin of the fat box at rest, zero if the part cannot move; one per part; m.
     pub margin: Vec<f64>,
     /// Cube root of the volume; one per part; m.
     pub size: Vec<f64>,
