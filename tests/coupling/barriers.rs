@@ -175,6 +175,7 @@ fn bounce(interval: f64) -> String {
             (name: "flyer", material: "rock", shape: Sphere(center: (-0.8, 0, 1.2), radius: {RADIUS}), velocity: (2, 0, 0)),
         ],
         barriers: [(name: "dam", blocks: ["plate"], flow: (1, 0, 0), cell: 0.1, upstream: 1)],
+        numerics: (block_time_step_factor: 0.15),
         time: (duration: 0.6),
         output: (ledger_interval: {interval}, frame_interval: 3),
     )"#
@@ -188,7 +189,7 @@ fn the_impulse_of_a_bounce_is_twice_its_momentum_whatever_the_interval() {
     for interval in [0.004, 0.3] {
         let folder = tempfile::tempdir().unwrap();
         let (summary, table, cells) = recorded(folder.path(), &bounce(interval));
-        // speed after the impact of an explicit step, 1e-3 as specified
+        // 1e-3 as specified: the energy is off by up to (ω dt)²/4 as they meet and as they part, see below
         check("impulse", last(&table, "solid.impulse"), 6.0 * m, 1e-3);
         let means = table.column("solid.normal").unwrap();
         let times = table.column("time").unwrap();
@@ -196,10 +197,10 @@ fn the_impulse_of_a_bounce_is_twice_its_momentum_whatever_the_interval() {
             .map(|k| means[k] * (times[k] - times[k - 1]))
             .sum();
         check("sum of the means", sum, 6.0 * m, 1e-3);
-        // the spring is linear; steps are a twelfth of the impact: the last one before the top is within cos(π/24) = 0.991
+        // ω dt = 0.073: explicit steps oscillate by up to (ω dt)²/8 = 7e-4 too far, and the one next to the top is up to as much below it
         let force = 3.0 * (1e6 * m).sqrt();
         let peak = largest(&table, "solid.largest_normal");
-        check("largest step", peak, force, 1e-2);
+        check("largest step", peak, force, 1e-3);
         println!(
             "largest mean {:.3e} of {peak:.3e} N",
             largest(&table, "solid.normal")
@@ -439,7 +440,8 @@ fn a_resumed_run_has_the_same_records_of_barriers() {
     for (text, until, files) in [
         (
             bounce(0.004),
-            310,
+            // the impact lasts from step 319 to 361
+            340,
             &["barrier_dam.csv", "barrier_dam.vtp"][..],
         ),
         (
