@@ -17,7 +17,7 @@ use crate::walls::WallMethod;
 /// Diameter from which on water flows around a grain; × spacing.
 const RESOLVED: f64 = 8.0;
 /// By how much spacings differ from the drawn one where water is fitted to its volume; –.
-const FITTED: f64 = 0.01;
+const FITTED: f64 = 1e-3;
 /// Diameter up to which a grain is small beside the particles of water; × spacing.
 const SMALL: f64 = 2.0;
 /// Radius of the averaging kernel; × diameter. Water that a grain drags along makes it fall too fast by the diameter over this
