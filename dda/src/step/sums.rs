@@ -281,11 +281,8 @@ impl PairSums<'_> {
             load.add_all(&pair.loads.half_kick_corrections, is_second, centroid);
         }
         for (k, is_second) in self.derived.sphere_links.of(b) {
-            let mark = &self.contacts.sphere_marks[k];
-            has_new_rates |= mark.has_new_rates;
-            if !mark.is_touching {
-                continue;
-            }
+            has_new_rates |= self.contacts.sphere_marks[k].has_new_rates;
+            // those of a pair that is apart are zero: to add them takes less time than to ask
             let SphereLoads { force, point } = &self.contacts.sphere_loads[k];
             let sign = if is_second { 1.0 } else { -1.0 };
             load.add(&(force * sign), &(point - centroid));

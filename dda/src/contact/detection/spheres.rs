@@ -15,6 +15,7 @@ pub(crate) fn effective_radius(parts: (&Part, &Part)) -> f64 {
 }
 
 /// Contact of two spheres of center and radius (m); `None` if they are apart.
+#[inline]
 pub(crate) fn of_two((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<PointManifold> {
     let offset = b - a;
     let square = offset.norm_squared();
