@@ -38,10 +38,15 @@ impl World {
                 .critical_time_step(water.fluid.particle_mass());
             common.push((Cause::Wall, wall));
         }
+        let critical = self.blocks.critical_time_step();
         Limits {
             common,
-            blocks: self.blocks.critical_time_step().dt,
-            cause_of_blocks: self.cause_of_blocks(),
+            blocks: critical.dt,
+            cause_of_blocks: match self.blocks.settings().integrator {
+                Integrator::ContactDynamics(_) => Cause::BlockStep,
+                Integrator::CentralDifference if critical.is_by_speed => Cause::BlockSpeed,
+                Integrator::CentralDifference => Cause::Contact,
+            },
             blocks_in_water: self.longest_step_in_water(),
         }
     }
@@ -57,7 +62,7 @@ impl World {
             Some(water)
                 if water.walls.is_some()
                     && self.bodies.deformable.is_empty()
-                    && self.cause_of_blocks() == Cause::BlockStep =>
+                    && self.takes_contact_dynamics() =>
             {
                 let fluid = water.fluid.settings();
                 let impedance = fluid.reference_density * fluid.sound_speed;
@@ -67,12 +72,9 @@ impl World {
         }
     }
 
-    /// What bounds the step of the blocks.
-    fn cause_of_blocks(&self) -> Cause {
-        match self.blocks.settings().integrator {
-            Integrator::CentralDifference => Cause::Contact,
-            Integrator::ContactDynamics(_) => Cause::BlockStep,
-        }
+    fn takes_contact_dynamics(&self) -> bool {
+        let integrator = self.blocks.settings().integrator;
+        matches!(integrator, Integrator::ContactDynamics(_))
     }
 
     /// The particle or block by which a limit is as short as it is now, where it is a single one.
@@ -86,7 +88,7 @@ impl World {
         match cause {
             Cause::Sound => of_particles(|particles, a| particles.velocity[a].norm_squared()),
             Cause::Force => of_particles(|particles, a| particles.acceleration[a].norm_squared()),
-            Cause::Contact | Cause::BlockStep => {
+            Cause::Contact | Cause::BlockSpeed | Cause::BlockStep => {
                 self.blocks.critical_time_step().block.map(Holder::Block)
             }
             Cause::Viscosity | Cause::Wall | Cause::Duration | Cause::Growth => None,
@@ -103,7 +105,7 @@ impl World {
             let sound = settings.sound_stability();
             borne.extend(sound.map(|dt| (Cause::Sound, dt * settings.sound_speed / flow)));
         }
-        if self.cause_of_blocks() == Cause::Contact {
+        if !self.takes_contact_dynamics() {
             let blocks = self.blocks.stability_limit();
             borne.extend((blocks < f64::INFINITY).then_some((Cause::Contact, blocks)));
         }
@@ -203,7 +205,7 @@ fn remedy(cause: Cause) -> &'static str {
         Cause::Force => "something hits the water too hard: look at the last frame",
         Cause::Wall => "lower `interface.penalty_stiffness`",
         Cause::Contact => "lower `contact_stiffness` of the materials or remove slivers",
-        Cause::BlockStep => "look at the block that moves so fast",
+        Cause::BlockSpeed | Cause::BlockStep => "look at the block that moves so fast",
         Cause::Duration | Cause::Growth => "look at the last frame",
     }
 }

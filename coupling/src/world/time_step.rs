@@ -19,6 +19,8 @@ pub enum Cause {
     Wall,
     /// Contacts between blocks, where no fluid sets a longer common step.
     Contact,
+    /// The way of a block in a step, within which contacts are found in time, or its turn; where no fluid sets a longer common step.
+    BlockSpeed,
     /// The step of contact dynamics: as given, or by a block that moves far in it, where no fluid sets a shorter common step.
     BlockStep,
     /// Blocks in free flight, which need no step at all: a thousandth of the duration.
@@ -28,12 +30,13 @@ pub enum Cause {
 }
 
 /// Every cause, in the order of `dt_governed_by`.
-pub const CAUSES: [Cause; 8] = [
+pub const CAUSES: [Cause; 9] = [
     Cause::Sound,
     Cause::Viscosity,
     Cause::Force,
     Cause::Wall,
     Cause::Contact,
+    Cause::BlockSpeed,
     Cause::BlockStep,
     Cause::Duration,
     Cause::Growth,

@@ -22,6 +22,8 @@ pub struct CriticalStep {
     pub block: Option<usize>,
     /// Its stiffest pair of blocks; none when the block's speed sets the step.
     pub contact: Option<(usize, usize)>,
+    /// Does the way or the turn of the block in a step set it, and not its stiffness?
+    pub is_by_speed: bool,
 }
 
 /// Steps for which a bound by the eigenvalues of contacts is kept where all contacts are those of spheres: to find it takes as long as the rest
@@ -81,6 +83,7 @@ impl Blocks {
         let least = least_of(self.state.kinematics.as_slice(), CHUNK, &slowest);
         CriticalStep {
             dt: least.dt,
+            is_by_speed: least.dt < f64::INFINITY && !least.is_by_contact,
             block: (least.dt < f64::INFINITY).then_some(least.block),
             contact: self
                 .state

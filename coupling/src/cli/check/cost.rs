@@ -355,6 +355,7 @@ impl fmt::Display for Step {
                 false => "",
             };
             let name = match limit.cause {
+                Cause::BlockSpeed => "block speed".to_owned(),
                 Cause::BlockStep => "block step".to_owned(),
                 cause => format!("{cause:?}").to_lowercase(),
             };

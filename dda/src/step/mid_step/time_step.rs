@@ -26,6 +26,7 @@ impl Blocks {
             dt: dynamics.time_step,
             block: None,
             contact: None,
+            is_by_speed: false,
         };
         for b in (0..self.n_blocks()).filter(|&b| self.is_driven(b)) {
             let parts = self.parts_of(b);
