@@ -119,6 +119,27 @@ pub(crate) struct Power {
     pub held: Vec3,
 }
 
+/// Sums over the grains whose kernels reach a particle of water.
+#[derive(Clone, Copy, Debug, Default)]
+struct OfGrains {
+    /// Of volume per sum over the kernel; –.
+    room: f64,
+    /// Of one over the sum; 1/m³.
+    sums: f64,
+    /// m/s.
+    flux: Vec3,
+}
+
+impl OfGrains {
+    /// Adds a grain by its kernel (1/m³).
+    #[inline]
+    fn add(&mut self, grain: &Self, kernel: f64) {
+        self.room += grain.room * kernel;
+        self.sums += grain.sums * kernel;
+        self.flux += grain.flux * kernel;
+    }
+}
+
 /// All grains that exchange forces with the water by averages.
 #[derive(Clone, Debug)]
 pub struct AveragedGrains {
@@ -143,6 +164,10 @@ pub struct AveragedGrains {
     /// Sum of the weights of each particle.
     sums: Vec<f64>,
     on_water: Vec<OnWater>,
+    /// Of each particle, as just summed.
+    of_grains: Vec<OfGrains>,
+    /// Of each particle, as the weights see it.
+    seen: Vec<Seen>,
     /// Time over which the forces found next act; s.
     dt: f64,
     /// Energy of compression that grains brought in as they got wet, not taken yet; J.
@@ -175,6 +200,8 @@ impl AveragedGrains {
             flux: Vec::new(),
             sums: Vec::new(),
             on_water: Vec::new(),
+            of_grains: Vec::new(),
+            seen: Vec::new(),
             dt: 0.0,
             compressed: 0.0,
             settings,
@@ -247,9 +274,17 @@ impl AveragedGrains {
             pairs,
             wet,
             room,
+            volume,
             ..
         } = self;
-        pairs.find(fluid, grains, (sight, blocks));
+        let particles = fluid.particles();
+        let n = particles.len();
+        // of what the flow carries: that of the density follows the porosity, which would follow it
+        let volumes = (0..n).into_par_iter().with_min_len(CHUNK);
+        volumes
+            .map(|a| particles.volume_with_grains(a))
+            .collect_into_vec(volume);
+        pairs.find((fluid, volume), grains, (sight, blocks));
         room.clear();
         for (g, (wet, filled)) in wet.iter_mut().zip(pairs.filled()).enumerate() {
             let [dry, under_water] = WET_SHARES;
@@ -259,8 +294,6 @@ impl AveragedGrains {
                 false => grains[g].volume * *wet / filled,
             });
         }
-        let particles = fluid.particles();
-        let n = particles.len();
         let (grains, room, pairs) = (&*grains, &*room, &*pairs);
         // all per particle of a grain's sum over its kernel
         let of_grain = |g: usize| {
@@ -268,51 +301,44 @@ impl AveragedGrains {
                 true => Vec3::zeros(),
                 false => blocks.velocity(grains[g].block) * room[g],
             };
-            (room[g], 1.0 / pairs.filled_of(g), flux)
+            OfGrains {
+                room: room[g],
+                sums: 1.0 / pairs.filled_of(g),
+                flux,
+            }
         };
         for column in [&mut self.porosity, &mut self.fits, &mut self.sums] {
             column.resize(n, 1.0);
         }
         self.flux.resize(n, Vec3::zeros());
-        // of what the flow carries: that of the density follows the porosity, which would follow it
-        let volumes = (0..n).into_par_iter().with_min_len(CHUNK);
-        volumes
-            .map(|a| particles.volume_with_grains(a))
-            .collect_into_vec(&mut self.volume);
+        self.of_grains.resize(n, OfGrains::default());
         let volume = &self.volume;
         let columns = (
             self.porosity.par_chunks_mut(pairs::RANGE),
             self.fits.par_chunks_mut(pairs::RANGE),
             self.sums.par_chunks_mut(pairs::RANGE),
             self.flux.par_chunks_mut(pairs::RANGE),
+            self.of_grains.par_chunks_mut(pairs::RANGE),
         );
-        columns
-            .into_par_iter()
-            .enumerate()
-            .for_each(|(range, (porosity, fits, sums, flux))| {
-                porosity.fill(1.0);
-                sums.fill(0.0);
-                flux.fill(Vec3::zeros());
+        columns.into_par_iter().enumerate().for_each(
+            |(range, (porosity, fits, sums, flux, of_grains))| {
+                of_grains.fill(OfGrains::default());
                 let first = range * pairs::RANGE;
-                pairs.for_each_in(
-                    first..first + porosity.len(),
-                    of_grain,
-                    |a, kernel, (volume, one, flow)| {
-                        porosity[a - first] -= kernel * volume;
-                        sums[a - first] += kernel * one;
-                        flux[a - first] += flow * kernel;
-                    },
-                );
-                for (k, share) in porosity.iter_mut().enumerate() {
-                    fits[k] = 1.0;
-                    if *share < LEAST_POROSITY {
-                        fits[k] = (1.0 - LEAST_POROSITY) / (1.0 - *share);
-                        *share = LEAST_POROSITY;
-                    }
-                    flux[k] *= fits[k];
-                    sums[k] *= volume[first + k];
+                pairs.for_each_in(range, of_grain, |a, kernel, grain| {
+                    of_grains[a - first].add(&grain, kernel);
+                });
+                for (k, all) in of_grains.iter().enumerate() {
+                    let share = 1.0 - all.room;
+                    porosity[k] = share.max(LEAST_POROSITY);
+                    fits[k] = match share < LEAST_POROSITY {
+                        true => (1.0 - LEAST_POROSITY) / all.room,
+                        false => 1.0,
+                    };
+                    flux[k] = all.flux * fits[k];
+                    sums[k] = all.sums * volume[first + k];
                 }
-            });
+            },
+        );
     }
 
     /// Forces on both, from the accelerations of the water by everything else; `dry` is that of the blocks.
@@ -331,15 +357,18 @@ impl AveragedGrains {
             fits,
             volume,
             sums,
+            seen,
             dt,
             ..
         } = self;
+        let particles = (0..volume.len()).into_par_iter().with_min_len(CHUNK);
+        particles
+            .map(|a| Seen::of(fluid, a, volume[a], fits[a], sums[a]))
+            .collect_into_vec(seen);
         let moving = Moving {
             fluid,
             settings,
-            fits,
-            volume,
-            sums,
+            seen,
             dt: *dt,
         };
         on_grains
@@ -375,14 +404,10 @@ impl AveragedGrains {
             .for_each(|(range, out)| {
                 out.fill(OnWater::default());
                 let first = range * pairs::RANGE;
-                pairs.for_each_in(
-                    first..first + out.len(),
-                    of_grain,
-                    |a, kernel, [added, drag]| {
-                        out[a - first][0] += added * kernel;
-                        out[a - first][1] += drag * kernel;
-                    },
-                );
+                pairs.for_each_in(range, of_grain, |a, kernel, [added, drag]| {
+                    out[a - first][0] += added * kernel;
+                    out[a - first][1] += drag * kernel;
+                });
                 for (forces, volume) in out.iter_mut().zip(&volume[first..]) {
                     *forces = forces.map(|force| force * *volume);
                 }
@@ -471,9 +496,9 @@ struct Body {
     is_free: bool,
 }
 
-/// Means of the water around a grain.
-#[derive(Default)]
-struct Around {
+/// Quantities of a particle times its volume, or of the water around a grain as their means.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
     /// m/s.
     velocity: Vec3,
     /// Force per volume of pressure, of what fits; N/m³.
@@ -482,50 +507,74 @@ struct Around {
     viscous: Vec3,
     /// Acceleration without drag; m/s².
     acceleration: Vec3,
-    /// Share of water, with that of the grain itself as its neighbors let it count; –.
-    porosity: f64,
-    /// `Σ_i w_ij s_i/m_i`; 1/kg.
+    /// Share of grains; –.
+    solid: f64,
+    /// `s_i/m_i`; 1/kg.
     inverse_mass: f64,
+    /// One; –.
+    volume: f64,
+}
+
+impl Seen {
+    /// A particle, of its volume (m³), what fits of its grains, and the sum of its weights.
+    fn of(fluid: &Fluid, a: usize, volume: f64, fits: f64, sums: f64) -> Self {
+        let (particles, gravity) = (fluid.particles(), fluid.settings().gravity);
+        let porosity = particles.porosity_of(a);
+        let by_water = particles.acceleration[a] - gravity;
+        let by_viscosity = Vec3::from(particles.viscous_acceleration[a].map(f64::from));
+        let fitting = particles.mass[a] * fits;
+        Self {
+            velocity: particles.velocity[a] * volume,
+            pressure: (by_water - by_viscosity) * fitting,
+            viscous: by_viscosity * fitting,
+            acceleration: (gravity + by_water * porosity) * volume,
+            solid: (1.0 - porosity) * volume,
+            inverse_mass: sums / particles.mass[a] * volume,
+            volume,
+        }
+    }
+
+    #[inline]
+    fn add(&mut self, other: &Self, factor: f64) {
+        self.velocity += other.velocity * factor;
+        self.pressure += other.pressure * factor;
+        self.viscous += other.viscous * factor;
+        self.acceleration += other.acceleration * factor;
+        self.solid += other.solid * factor;
+        self.inverse_mass += other.inverse_mass * factor;
+        self.volume += other.volume * factor;
+    }
 }
 
 /// The water, and the step over which it moves.
 struct Moving<'a> {
     fluid: &'a Fluid,
     settings: &'a Settings,
-    fits: &'a [f64],
-    volume: &'a [f64],
-    sums: &'a [f64],
+    seen: &'a [Seen],
     dt: f64,
 }
 
 impl Moving<'_> {
-    fn around(&self, grain: &Grain, wet: f64, (pairs, g): (&Pairs, usize)) -> Around {
-        let particles = self.fluid.particles();
-        let gravity = self.fluid.settings().gravity;
-        let mut around = Around::default();
-        let (mut filled, mut own) = (0.0, 0.0);
-        let sum = pairs.filled_of(g);
-        let per_sum = grain.volume * wet / sum;
+    /// Means of the water around a grain, and the share of water at it, with that of the grain itself as its neighbors let it count.
+    fn around(&self, grain: &Grain, wet: f64, (pairs, g): (&Pairs, usize)) -> (Seen, f64) {
+        let (mut around, mut own) = (Seen::default(), 0.0);
+        let per_sum = 1.0 / pairs.filled_of(g);
         pairs.for_each_of(g, |a, kernel| {
-            let (mass, share) = (particles.mass[a], kernel / sum);
-            let weight = self.volume[a] * share;
-            let porosity = particles.porosity_of(a);
-            let by_water = particles.acceleration[a] - gravity;
-            around.velocity += particles.velocity[a] * weight;
-            let by_viscosity = Vec3::from(particles.viscous_acceleration[a].map(f64::from));
-            let share = mass * share * self.fits[a];
-            around.pressure += (by_water - by_viscosity) * share;
-            around.viscous += by_viscosity * share;
-            around.acceleration += (gravity + by_water * porosity) * weight;
-            around.inverse_mass += weight * self.sums[a] / mass;
-            filled += (1.0 - porosity) * weight;
-            own += weight * kernel * per_sum;
+            let (seen, weight) = (&self.seen[a], kernel * per_sum);
+            around.add(seen, weight);
+            own += seen.volume * weight * kernel;
         });
-        around.porosity = 1.0 - unbiased(filled, own);
-        around
+        let of_itself = own * grain.volume * wet * per_sum;
+        (around, 1.0 - unbiased(around.solid, of_itself))
     }
 
-    fn force(&self, grain: &Grain, wet: f64, around: &Around, body: &Body) -> OnGrain {
+    fn force(
+        &self,
+        grain: &Grain,
+        wet: f64,
+        (around, porosity): &(Seen, f64),
+        body: &Body,
+    ) -> OnGrain {
         let settings = self.settings;
         let water = drag::Water {
             density: self.fluid.settings().reference_density,
@@ -556,8 +605,7 @@ impl Moving<'_> {
         let (mut mean, mut resistance) = (slip, 0.0);
         for _ in 0..N_SLIPS {
             let speed = mean.norm();
-            resistance =
-                wet * (settings.drag).resistance(&water, grain.diameter, around.porosity, speed);
+            resistance = wet * (settings.drag).resistance(&water, grain.diameter, *porosity, speed);
             let [relaxed, followed] = relaxation(dt * resistance * inverse_mass / inertia);
             mean = slip * relaxed + drive * (dt * followed);
         }

@@ -37,6 +37,20 @@ struct Chunk {
     kernel: Vec<f32>,
     /// Sum of the kernel over the water of each grain; –.
     filled: Vec<f64>,
+    /// Of each grain, the first of the ranges of particles that its list goes through, and where in `cuts` their first pairs are.
+    first_range: Vec<u32>,
+    cut_starts: Vec<u32>,
+    /// First pair of each of these ranges, and the end, grain by grain.
+    cuts: Vec<u32>,
+    row: Row,
+}
+
+/// Particles of a row of cells within the kernel of a grain.
+#[derive(Clone, Debug, Default)]
+struct Row {
+    water: Vec<u32>,
+    /// 1/m³.
+    kernel: Vec<f32>,
 }
 
 impl Pairs {
@@ -45,10 +59,10 @@ impl Pairs {
         self.chunks.iter().map(|chunk| chunk.water.len()).sum()
     }
 
-    /// Lists the water that grains see within their kernels. Periods are at least two radii.
+    /// Lists the water that grains see within their kernels, of a volume a particle (m³). Periods are at least two radii.
     pub(super) fn find(
         &mut self,
-        fluid: &Fluid,
+        water: (&Fluid, &[f64]),
         grains: &[Grain],
         (sight, blocks): (&Sight, &Blocks),
     ) {
@@ -58,19 +72,19 @@ impl Pairs {
             .par_iter_mut()
             .zip(grains.par_chunks(GRAINS))
             .for_each(|(chunk, grains)| {
-                chunk.starts.clear();
-                chunk.water.clear();
-                chunk.kernel.clear();
-                chunk.filled.clear();
+                chunk.clear();
                 for grain in grains {
-                    chunk.starts.push(chunk.water.len() as u32);
+                    let first = chunk.water.len();
+                    chunk.starts.push(first as u32);
                     let filled = match blocks.is_removed(grain.block) {
                         true => 0.0,
-                        false => chunk.list(fluid, grain, blocks, &sight.of(blocks, grain)),
+                        false => chunk.list(water, grain, blocks, &sight.of(blocks, grain)),
                     };
                     chunk.filled.push(filled);
+                    chunk.cut_from(first);
                 }
                 chunk.starts.push(chunk.water.len() as u32);
+                chunk.cut_starts.push(chunk.cuts.len() as u32);
             });
     }
 
@@ -94,33 +108,22 @@ impl Pairs {
         }
     }
 
-    /// Calls `visit` with all pairs of a range of particles, grain by grain: particle, kernel (1/m³), and what `of` makes of the
-    /// grain, which has water.
+    /// Calls `visit` with all pairs of a range of [`RANGE`] particles, grain by grain: particle, kernel (1/m³), and what `of` makes of
+    /// the grain, which has water.
     pub(super) fn for_each_in<T: Copy>(
         &self,
-        range: Range<usize>,
+        range: usize,
         of: impl Fn(usize) -> T,
         mut visit: impl FnMut(usize, f64, T),
     ) {
-        let (first, end) = (range.start as u32, range.end as u32);
         for (number, chunk) in self.chunks.iter().enumerate() {
             for local in 0..chunk.filled.len() {
-                let list = chunk.list_of(local);
-                let water = &chunk.water[list.clone()];
-                let (Some(&lowest), Some(&highest)) = (water.first(), water.last()) else {
-                    continue;
-                };
-                if end <= lowest || highest < first {
-                    continue;
-                }
-                let from = water.partition_point(|&a| a < first);
-                let to = water.partition_point(|&a| a < end);
-                if from == to {
+                let pairs = chunk.list_within(local, range);
+                if pairs.is_empty() {
                     continue;
                 }
                 let value = of(number * GRAINS + local);
-                let kernel = &chunk.kernel[list];
-                for (&a, &w) in water[from..to].iter().zip(&kernel[from..to]) {
+                for (&a, &w) in chunk.water[pairs.clone()].iter().zip(&chunk.kernel[pairs]) {
                     visit(a as usize, f64::from(w), value);
                 }
             }
@@ -133,14 +136,66 @@ impl Chunk {
         self.starts[local] as usize..self.starts[local + 1] as usize
     }
 
+    /// Pairs of a grain and a range of particles.
+    fn list_within(&self, local: usize, range: usize) -> Range<usize> {
+        let cuts = self.cut_starts[local] as usize..self.cut_starts[local + 1] as usize;
+        let Some(place) = range.checked_sub(self.first_range[local] as usize) else {
+            return 0..0;
+        };
+        match self.cuts[cuts].get(place..place + 2) {
+            Some(&[from, to]) => from as usize..to as usize,
+            _ => 0..0,
+        }
+    }
+
+    fn clear(&mut self) {
+        for column in [
+            &mut self.starts,
+            &mut self.water,
+            &mut self.first_range,
+            &mut self.cut_starts,
+            &mut self.cuts,
+        ] {
+            column.clear();
+        }
+        self.kernel.clear();
+        self.filled.clear();
+    }
+
+    /// Notes where the last list, from its first pair on, goes from one range of particles to the next: to look for it in every sum, by
+    /// halves, took longer than the sums.
+    fn cut_from(&mut self, first: usize) {
+        self.cut_starts.push(self.cuts.len() as u32);
+        let range_of = |&a: &u32| a / RANGE as u32;
+        let mut range = self.water.get(first).map_or(0, range_of);
+        self.first_range.push(range);
+        if first == self.water.len() {
+            return;
+        }
+        self.cuts.push(first as u32);
+        for (k, a) in (first as u32..).zip(&self.water[first..]) {
+            while range < range_of(a) {
+                range += 1;
+                self.cuts.push(k);
+            }
+        }
+        self.cuts.push(self.water.len() as u32);
+    }
+
     /// Appends the list of a grain, in order of the particles; returns its kernel sum.
-    fn list(&mut self, fluid: &Fluid, grain: &Grain, blocks: &Blocks, view: &View) -> f64 {
-        let (grid, particles) = (fluid.grid(), fluid.particles());
+    fn list(
+        &mut self,
+        (fluid, volume): (&Fluid, &[f64]),
+        grain: &Grain,
+        blocks: &Blocks,
+        view: &View,
+    ) -> f64 {
+        let (grid, position) = (fluid.grid(), fluid.particles().position.as_slice());
         let kernel = Wendland::new(grain.reach);
         let x = grid.wrapped(blocks.centroid(grain.block));
         let reach = grain.reach + fluid.moved();
         let [along, across, up] = [0, 1, 2].map(|axis| pieces(grid, axis, x[axis], reach));
-        let (first, mut filled) = (self.water.len(), 0.0);
+        let first = self.water.len();
         let gap = |axis: usize, cell: usize, shift: f64| {
             let low = grid.min()[axis] + cell as f64 * grid.cell_size()[axis] + shift;
             (low - x[axis])
@@ -160,27 +215,35 @@ impl Chunk {
                     };
                     let cells = [from, to].map(|i| grid.particles_in(grid.cell_at([i, j, k])));
                     let shift = Vec3::new(piece.shift, y, z);
-                    for a in cells[0].start..cells[1].end {
-                        let place = particles.position[a] + shift;
-                        let value = kernel.value((place - x).norm_squared());
-                        if value == 0.0 || !view.sees(blocks, &x, &place) {
-                            continue;
-                        }
-                        let images = view.images()[1..].iter();
-                        let of_images: f64 = images
-                            .map(|image| kernel.value((place - image).norm_squared()))
-                            .sum();
-                        // of single precision, in all sums alike
-                        let value = (value + of_images) as f32;
-                        self.water.push(a as u32);
-                        self.kernel.push(value);
-                        filled += particles.volume_with_grains(a) * f64::from(value);
+                    let to_grain = shift - x;
+                    let row = cells[0].start..cells[1].end;
+                    self.row
+                        .keep(&position[row.clone()], row.start, &to_grain, &kernel);
+                    let place = |a: u32| position[a as usize] + shift;
+                    if view.has_walls() {
+                        self.row.retain(|a| view.sees(blocks, &x, &place(a)));
                     }
+                    let images = &view.images()[1..];
+                    if !images.is_empty() {
+                        let of_images = |a: u32| -> f32 {
+                            let of = |image: &Vec3| {
+                                kernel.value((place(a) - image).norm_squared() as f32)
+                            };
+                            images.iter().map(of).sum()
+                        };
+                        let row = self.row.water.iter().zip(&mut self.row.kernel);
+                        row.for_each(|(&a, kernel)| *kernel += of_images(a));
+                    }
+                    self.water.extend_from_slice(&self.row.water);
+                    self.kernel.extend_from_slice(&self.row.kernel);
                 }
             }
         }
         self.sort_from(first);
-        filled
+        let pairs = self.water[first..].iter().zip(&self.kernel[first..]);
+        pairs
+            .map(|(&a, &kernel)| volume[a as usize] * f64::from(kernel))
+            .sum()
     }
 
     /// Puts the last list in order, from its first pair on; out of order is only what was found across the sides of a narrow period.
@@ -195,6 +258,37 @@ impl Chunk {
         for (k, (a, kernel)) in pairs.into_iter().enumerate() {
             (self.water[first + k], self.kernel[first + k]) = (a, kernel);
         }
+    }
+}
+
+impl Row {
+    /// Keeps those of some particles, the first of them `first`, that are within the kernel of a grain at `-to_grain` (m).
+    fn keep(&mut self, places: &[Vec3], first: usize, to_grain: &Vec3, kernel: &Wendland) {
+        self.water.resize(places.len(), 0);
+        self.kernel.resize(places.len(), 0.0);
+        let (water, squares) = (self.water.as_mut_slice(), self.kernel.as_mut_slice());
+        let mut n = 0;
+        // half of them are beyond it: to write first and count then leaves the processor nothing to guess
+        for (a, place) in (first as u32..).zip(places) {
+            let square = (place + to_grain).norm_squared() as f32;
+            (water[n], squares[n]) = (a, square);
+            n += usize::from(kernel.reaches(square));
+        }
+        self.water.truncate(n);
+        self.kernel.truncate(n);
+        for value in &mut self.kernel {
+            *value = kernel.inside(*value);
+        }
+    }
+
+    fn retain(&mut self, is_wanted: impl Fn(u32) -> bool) {
+        let mut n = 0;
+        for k in 0..self.water.len() {
+            (self.water[n], self.kernel[n]) = (self.water[k], self.kernel[k]);
+            n += usize::from(is_wanted(self.water[k]));
+        }
+        self.water.truncate(n);
+        self.kernel.truncate(n);
     }
 }
 
@@ -235,33 +329,41 @@ impl Piece {
     }
 }
 
-/// Wendland's kernel C2 in space.
+/// Wendland's kernel C2 in space, in single precision: all sums use the same values.
 ///
 /// ```text
 /// W = 21/(2π R³) (1 − r/R)⁴ (1 + 4 r/R)
 /// ```
 struct Wendland {
     /// `1/R²`; 1/m².
-    inverse_square: f64,
+    inverse_square: f32,
     /// 1/m³.
-    factor: f64,
+    factor: f32,
 }
 
 impl Wendland {
     fn new(reach: f64) -> Self {
         Self {
-            inverse_square: 1.0 / (reach * reach),
-            factor: 21.0 / (2.0 * PI * reach.powi(3)),
+            inverse_square: (1.0 / (reach * reach)) as f32,
+            factor: (21.0 / (2.0 * PI * reach.powi(3))) as f32,
         }
     }
 
+    fn reaches(&self, square: f32) -> bool {
+        square * self.inverse_square < 1.0
+    }
+
     /// At a squared distance (m²); 1/m³.
-    fn value(&self, square: f64) -> f64 {
-        let q2 = square * self.inverse_square;
-        if 1.0 <= q2 {
-            return 0.0;
+    fn value(&self, square: f32) -> f32 {
+        match self.reaches(square) {
+            true => self.inside(square),
+            false => 0.0,
         }
-        let q = q2.sqrt();
+    }
+
+    /// At one within the radius.
+    fn inside(&self, square: f32) -> f32 {
+        let q = (square * self.inverse_square).sqrt();
         let w2 = (1.0 - q) * (1.0 - q);
         self.factor * w2 * w2 * (1.0 + 4.0 * q)
     }

@@ -121,6 +121,10 @@ impl View {
         &self.images[..self.n_images]
     }
 
+    pub(super) fn has_walls(&self) -> bool {
+        self.n > 0
+    }
+
     /// Whether a grain at `x` sees the place `y`; m.
     pub(super) fn sees(&self, blocks: &Blocks, x: &Vec3, y: &Vec3) -> bool {
         self.near[..self.n].iter().all(|wall| {
