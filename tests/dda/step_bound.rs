@@ -209,6 +209,27 @@ fn a_needle_needs_no_smaller_step_before_it_touches() {
     }
 }
 
+/// A cube in flight may move half the margin of its box in a step, whatever its speed, and the step says that it is held by that; one on the
+/// floor is held by its contact.
+#[test]
+fn a_step_says_whether_speed_or_a_contact_holds_it() {
+    let step = |height: f64, speed: f64| {
+        let mut cube = block(
+            cuboid([0.0, 0.0, height], [1.0, 1.0, height + 1.0]),
+            Motion::Free,
+        );
+        cube.velocity = Vec3::x() * speed;
+        blocks(vec![floor(), cube], rock(), Vec3::zeros()).critical_time_step()
+    };
+    let (slow, fast) = (step(10.0, 1e3), step(10.0, 2e3));
+    assert_close("way", fast.dt * 2e3, slow.dt * 1e3, 1e-12);
+    assert!(slow.is_by_speed && fast.is_by_speed);
+    assert_eq!((slow.block, slow.contact), (Some(1), None));
+    let on_the_floor = step(-1e-4, 0.0);
+    assert!(!on_the_floor.is_by_speed);
+    assert_eq!(on_the_floor.contact, Some((0, 1)));
+}
+
 /// 27 bodies that fall into a bin, until a time (s): number of steps, and kinetic energy at the end over all that was lost. The step stays
 /// below the limit of all contacts together, and the ledger closes.
 fn fall(
