@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 use riprap_dda::Blocks;
 use riprap_sph::{CellGrid, Fluid, Vec3};
@@ -18,6 +19,8 @@ use super::sight::{Sight, View};
 const GRAINS: usize = 32;
 /// Particles per parallel task.
 pub(super) const RANGE: usize = 4096;
+/// Error of a place from a grain in single precision, with margin; × the radius of its kernel.
+const OFFSET_ERROR: f64 = 1e-5;
 /// Ranges of cells along an axis: one, or two where it is periodic.
 const MOST_PIECES: usize = 2;
 
@@ -25,6 +28,8 @@ const MOST_PIECES: usize = 2;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pairs {
     chunks: Vec<Chunk>,
+    /// Positions of the particles, an axis a column; m.
+    places: [Vec<f64>; 3],
 }
 
 /// Lists of some grains, one after the other.
@@ -45,12 +50,33 @@ struct Chunk {
     row: Row,
 }
 
+/// The water as lists are made of it.
+struct Water<'a> {
+    grid: &'a CellGrid,
+    /// Way of the particles since they were sorted into cells; m.
+    moved: f64,
+    /// Positions, an axis a column; m.
+    places: [&'a [f64]; 3],
+    /// Of each particle; m³.
+    volume: &'a [f64],
+}
+
+impl Water<'_> {
+    fn place(&self, a: u32) -> Vec3 {
+        Vec3::from(self.places.map(|column| column[a as usize]))
+    }
+}
+
 /// Particles of a row of cells within the kernel of a grain.
 #[derive(Clone, Debug, Default)]
 struct Row {
     water: Vec<u32>,
     /// 1/m³.
     kernel: Vec<f32>,
+    /// Squared distances of all in the cells; m².
+    squares: Vec<f32>,
+    /// Places from the grain, an axis a column; m.
+    offsets: [Vec<f32>; 3],
 }
 
 impl Pairs {
@@ -66,6 +92,19 @@ impl Pairs {
         grains: &[Grain],
         (sight, blocks): (&Sight, &Blocks),
     ) {
+        let (fluid, volume) = water;
+        let position = fluid.particles().position.as_slice();
+        for (axis, column) in self.places.iter_mut().enumerate() {
+            column.clear();
+            column.extend(position.iter().map(|x| x[axis]));
+        }
+        let places = self.places.each_ref().map(Vec::as_slice);
+        let water = Water {
+            grid: fluid.grid(),
+            moved: fluid.moved(),
+            places,
+            volume,
+        };
         let n_chunks = grains.len().div_ceil(GRAINS);
         self.chunks.resize_with(n_chunks, Chunk::default);
         self.chunks
@@ -78,7 +117,7 @@ impl Pairs {
                     chunk.starts.push(first as u32);
                     let filled = match blocks.is_removed(grain.block) {
                         true => 0.0,
-                        false => chunk.list(water, grain, blocks, &sight.of(blocks, grain)),
+                        false => chunk.list(&water, grain, blocks, &sight.of(blocks, grain)),
                     };
                     chunk.filled.push(filled);
                     chunk.cut_from(first);
@@ -103,8 +142,9 @@ impl Pairs {
     /// Calls `visit` with each particle of a grain's list and the kernel of the pair (1/m³).
     pub(super) fn for_each_of(&self, grain: usize, mut visit: impl FnMut(usize, f64)) {
         let chunk = &self.chunks[grain / GRAINS];
-        for k in chunk.list_of(grain % GRAINS) {
-            visit(chunk.water[k] as usize, f64::from(chunk.kernel[k]));
+        let list = chunk.list_of(grain % GRAINS);
+        for (&a, &w) in chunk.water[list.clone()].iter().zip(&chunk.kernel[list]) {
+            visit(a as usize, f64::from(w));
         }
     }
 
@@ -162,38 +202,31 @@ impl Chunk {
         self.filled.clear();
     }
 
-    /// Notes where the last list, from its first pair on, goes from one range of particles to the next: to look for it in every sum, by
-    /// halves, took longer than the sums.
+    /// Notes where the last list, from its first pair on, goes from one range of particles to the next: to look for it in every sum
+    /// took longer than the sums.
     fn cut_from(&mut self, first: usize) {
         self.cut_starts.push(self.cuts.len() as u32);
-        let range_of = |&a: &u32| a / RANGE as u32;
-        let mut range = self.water.get(first).map_or(0, range_of);
-        self.first_range.push(range);
-        if first == self.water.len() {
+        let range_of = |a: u32| a / RANGE as u32;
+        let list = &self.water[first..];
+        let (Some(&lowest), Some(&highest)) = (list.first(), list.last()) else {
+            self.first_range.push(0);
             return;
-        }
+        };
+        self.first_range.push(range_of(lowest));
         self.cuts.push(first as u32);
-        for (k, a) in (first as u32..).zip(&self.water[first..]) {
-            while range < range_of(a) {
-                range += 1;
-                self.cuts.push(k);
-            }
+        for range in range_of(lowest)..range_of(highest) {
+            let n = list.partition_point(|&a| range_of(a) <= range);
+            self.cuts.push((first + n) as u32);
         }
         self.cuts.push(self.water.len() as u32);
     }
 
     /// Appends the list of a grain, in order of the particles; returns its kernel sum.
-    fn list(
-        &mut self,
-        (fluid, volume): (&Fluid, &[f64]),
-        grain: &Grain,
-        blocks: &Blocks,
-        view: &View,
-    ) -> f64 {
-        let (grid, position) = (fluid.grid(), fluid.particles().position.as_slice());
+    fn list(&mut self, water: &Water, grain: &Grain, blocks: &Blocks, view: &View) -> f64 {
+        let grid = water.grid;
         let kernel = Wendland::new(grain.reach);
         let x = grid.wrapped(blocks.centroid(grain.block));
-        let reach = grain.reach + fluid.moved();
+        let reach = grain.reach + water.moved;
         let [along, across, up] = [0, 1, 2].map(|axis| pieces(grid, axis, x[axis], reach));
         let first = self.water.len();
         let gap = |axis: usize, cell: usize, shift: f64| {
@@ -217,22 +250,16 @@ impl Chunk {
                     let shift = Vec3::new(piece.shift, y, z);
                     let to_grain = shift - x;
                     let row = cells[0].start..cells[1].end;
-                    self.row
-                        .keep(&position[row.clone()], row.start, &to_grain, &kernel);
-                    let place = |a: u32| position[a as usize] + shift;
+                    self.row.keep(water, row, &to_grain, &kernel);
                     if view.has_walls() {
-                        self.row.retain(|a| view.sees(blocks, &x, &place(a)));
-                    }
-                    let images = &view.images()[1..];
-                    if !images.is_empty() {
-                        let of_images = |a: u32| -> f32 {
-                            let of = |image: &Vec3| {
-                                kernel.value((place(a) - image).norm_squared() as f32)
-                            };
-                            images.iter().map(of).sum()
-                        };
-                        let row = self.row.water.iter().zip(&mut self.row.kernel);
-                        row.for_each(|(&a, kernel)| *kernel += of_images(a));
+                        self.row.find_offsets(water, &to_grain);
+                        if view.may_hide(&x, &self.row.offsets, OFFSET_ERROR * reach) {
+                            let sees = |a: u32| view.sees(blocks, &x, &(water.place(a) + shift));
+                            self.row.retain(sees);
+                        }
+                        for image in &view.images()[1..] {
+                            self.row.add_image(&(image - x), &kernel);
+                        }
                     }
                     self.water.extend_from_slice(&self.row.water);
                     self.kernel.extend_from_slice(&self.row.kernel);
@@ -242,7 +269,7 @@ impl Chunk {
         self.sort_from(first);
         let pairs = self.water[first..].iter().zip(&self.kernel[first..]);
         pairs
-            .map(|(&a, &kernel)| volume[a as usize] * f64::from(kernel))
+            .map(|(&a, &kernel)| water.volume[a as usize] * f64::from(kernel))
             .sum()
     }
 
@@ -262,33 +289,123 @@ impl Chunk {
 }
 
 impl Row {
-    /// Keeps those of some particles, the first of them `first`, that are within the kernel of a grain at `-to_grain` (m).
-    fn keep(&mut self, places: &[Vec3], first: usize, to_grain: &Vec3, kernel: &Wendland) {
-        self.water.resize(places.len(), 0);
-        self.kernel.resize(places.len(), 0.0);
-        let (water, squares) = (self.water.as_mut_slice(), self.kernel.as_mut_slice());
-        let mut n = 0;
-        // half of them are beyond it: to write first and count then leaves the processor nothing to guess
-        for (a, place) in (first as u32..).zip(places) {
-            let square = (place + to_grain).norm_squared() as f32;
-            (water[n], squares[n]) = (a, square);
-            n += usize::from(kernel.reaches(square));
-        }
-        self.water.truncate(n);
-        self.kernel.truncate(n);
-        for value in &mut self.kernel {
-            *value = kernel.inside(*value);
+    /// Keeps those of some particles that are within the kernel of a grain at `-to_grain` (m).
+    fn keep(&mut self, water: &Water, range: Range<usize>, to_grain: &Vec3, kernel: &Wendland) {
+        let n = range.len();
+        self.water.resize(n, 0);
+        self.kernel.resize(n, 0.0);
+        self.squares.resize(n, 0.0);
+        let places = water.places.map(|column| &column[range.clone()]);
+        let kept = Arch::new().dispatch(Keep {
+            row: self,
+            places,
+            first: range.start as u32,
+            to_grain,
+            kernel,
+        });
+        self.water.truncate(kept);
+        self.kernel.truncate(kept);
+    }
+
+    /// Finds the places of those kept from a grain at `-to_grain`; m.
+    fn find_offsets(&mut self, water: &Water, to_grain: &Vec3) {
+        let of_axes = self.offsets.iter_mut().zip(water.places).zip(to_grain);
+        for ((offsets, places), to_grain) in of_axes {
+            offsets.clear();
+            offsets.extend((self.water.iter()).map(|&a| (places[a as usize] + to_grain) as f32));
         }
     }
 
+    /// Keeps what is wanted.
     fn retain(&mut self, is_wanted: impl Fn(u32) -> bool) {
+        let [x, y, z] = &mut self.offsets;
         let mut n = 0;
         for k in 0..self.water.len() {
             (self.water[n], self.kernel[n]) = (self.water[k], self.kernel[k]);
+            (x[n], y[n], z[n]) = (x[k], y[k], z[k]);
             n += usize::from(is_wanted(self.water[k]));
         }
         self.water.truncate(n);
         self.kernel.truncate(n);
+        for offsets in &mut self.offsets {
+            offsets.truncate(n);
+        }
+    }
+
+    /// Adds the kernel of an image at a place from the grain; m.
+    fn add_image(&mut self, image: &Vec3, kernel: &Wendland) {
+        Arch::new().dispatch(AddImage {
+            row: self,
+            image: [image.x, image.y, image.z].map(|x| x as f32),
+            kernel,
+        });
+    }
+}
+
+/// Task of [`Row::keep`]; the number that it kept.
+struct Keep<'a> {
+    row: &'a mut Row,
+    places: [&'a [f64]; 3],
+    first: u32,
+    to_grain: &'a Vec3,
+    kernel: &'a Wendland,
+}
+
+impl NullaryFnOnce for Keep<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        let Self {
+            row,
+            places: [x, y, z],
+            first,
+            to_grain,
+            kernel,
+        } = self;
+        let Row {
+            water,
+            kernel: values,
+            squares,
+            ..
+        } = row;
+        let (water, values) = (water.as_mut_slice(), values.as_mut_slice());
+        for (((square, x), y), z) in squares.iter_mut().zip(x).zip(y).zip(z) {
+            let [dx, dy, dz] = [x + to_grain.x, y + to_grain.y, z + to_grain.z];
+            *square = (dx * dx + dy * dy + dz * dz) as f32;
+        }
+        let mut kept = 0;
+        // half of them are beyond it: to write first and count then leaves the processor nothing to guess
+        for (a, &square) in (first..).zip(squares.as_slice()) {
+            (water[kept], values[kept]) = (a, square);
+            kept += usize::from(kernel.reaches(square));
+        }
+        for value in &mut values[..kept] {
+            *value = kernel.value(*value);
+        }
+        kept
+    }
+}
+
+/// Task of [`Row::add_image`].
+struct AddImage<'a> {
+    row: &'a mut Row,
+    /// m.
+    image: [f32; 3],
+    kernel: &'a Wendland,
+}
+
+impl NullaryFnOnce for AddImage<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let [x, y, z] = &self.row.offsets;
+        let offsets = x.iter().zip(y).zip(z);
+        for (value, ((x, y), z)) in self.row.kernel.iter_mut().zip(offsets) {
+            let [dx, dy, dz] = [x - self.image[0], y - self.image[1], z - self.image[2]];
+            *value += self.kernel.value(dx * dx + dy * dy + dz * dz);
+        }
     }
 }
 
@@ -349,21 +466,15 @@ impl Wendland {
         }
     }
 
+    #[inline(always)]
     fn reaches(&self, square: f32) -> bool {
         square * self.inverse_square < 1.0
     }
 
-    /// At a squared distance (m²); 1/m³.
+    /// At a squared distance (m²), 0 beyond the radius; 1/m³.
+    #[inline(always)]
     fn value(&self, square: f32) -> f32 {
-        match self.reaches(square) {
-            true => self.inside(square),
-            false => 0.0,
-        }
-    }
-
-    /// At one within the radius.
-    fn inside(&self, square: f32) -> f32 {
-        let q = (square * self.inverse_square).sqrt();
+        let q = (square * self.inverse_square).sqrt().min(1.0);
         let w2 = (1.0 - q) * (1.0 - q);
         self.factor * w2 * w2 * (1.0 + 4.0 * q)
     }

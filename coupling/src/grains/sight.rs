@@ -125,6 +125,21 @@ impl View {
         self.n > 0
     }
 
+    /// Whether any wall may hide any of some places from a grain at `x` (m): those behind a plane in front of it. The places are from
+    /// the grain, an axis a column, to within an error; m.
+    pub(super) fn may_hide(&self, x: &Vec3, offsets: &[Vec<f32>; 3], error: f64) -> bool {
+        let [dx, dy, dz] = offsets;
+        self.near[..self.n].iter().any(|wall| {
+            let normal: [f32; 3] = std::array::from_fn(|axis| wall.normal[axis] as f32);
+            let least = (error - (x - wall.point).dot(&wall.normal)) as f32;
+            let heights = dx.iter().zip(dy).zip(dz);
+            let heights =
+                heights.map(|((dx, dy), dz)| dx * normal[0] + dy * normal[1] + dz * normal[2]);
+            // without leaving early, which would keep it from being done several at a time
+            heights.fold(false, |is_behind, height| is_behind | (height < least))
+        })
+    }
+
     /// Whether a grain at `x` sees the place `y`; m.
     pub(super) fn sees(&self, blocks: &Blocks, x: &Vec3, y: &Vec3) -> bool {
         self.near[..self.n].iter().all(|wall| {
@@ -163,5 +178,18 @@ mod tests {
             Vec3::new(-0.4, 0.0, -0.2),
         ];
         assert_eq!(view.images(), expected);
+    }
+
+    #[test]
+    fn only_what_is_behind_a_plane_may_be_hidden() {
+        let mut view = View::default();
+        view.add(wall(0, Vec3::z(), 0.1));
+        let places = |z: [f32; 3]| [[0.3, -0.2, 0.0].to_vec(), [0.1; 3].to_vec(), z.to_vec()];
+        let may_hide = |z| view.may_hide(&Vec3::zeros(), &places(z), 1e-6);
+        assert!(!may_hide([0.2, -0.05, -0.0999]));
+        assert!(may_hide([0.2, -0.11, 0.05]));
+        // within the error of a place
+        assert!(may_hide([0.2, 0.0, -0.099_999_5]));
+        assert!(!View::default().may_hide(&Vec3::zeros(), &places([-1.0; 3]), 1e-6));
     }
 }
