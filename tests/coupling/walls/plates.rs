@@ -80,7 +80,12 @@ fn c15_nothing_passes_plates_one_spacing_thick() {
 
 /// An upright plate, `thickness` spacings thick, between water of 20 and of 10 rows, `w` (m) wide, and the push of that
 /// on it.
-fn between_two_levels(walls: &'static str, thickness: f64, w: f64, domain: &str) -> (Case, f64) {
+pub(super) fn between_two_levels(
+    walls: &'static str,
+    thickness: f64,
+    w: f64,
+    domain: &str,
+) -> (Case, f64) {
     let dp = 0.02;
     let (l, deep, shallow) = (20.0 * dp, 20.0 * dp, 10.0 * dp);
     let (top, beyond) = (deep + 4.0 * dp, l + thickness * dp);

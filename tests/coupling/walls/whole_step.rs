@@ -1,6 +1,6 @@
 //! Walls at the longest stable step: nothing passes them, however fast it comes or however long it tries.
 
-use super::plates::column_beside;
+use super::plates::{between_two_levels, column_beside};
 use super::*;
 
 /// The whole stable step, and a smoothing length that differs in its last digits: another draw of the same chaos, once it has
@@ -49,5 +49,69 @@ fn nothing_passes_a_crack_under_a_row_at_the_whole_step() {
 fn nothing_passes_a_crack_in_200_draws() {
     for draw in 0..200 {
         assert_eq!(through_a_crack("Particles", 0.0, draw, 1.5), 0, "{draw}");
+    }
+}
+
+/// Particles that change the side of a plate, or leave the basin, until a time (s).
+fn past(what: &str, case: Case, side: impl Fn(&Vec3) -> bool, draw: u32, until: f64) -> usize {
+    let mut world = at_the_whole_step(case, draw).world();
+    let count = |world: &World| {
+        let positions = &world.water.as_ref().unwrap().fluid.particles().position;
+        positions.iter().filter(|x| side(x)).count()
+    };
+    let before = count(&world);
+    while world.time() < until {
+        let step = world.next_step(until).unwrap();
+        world.step(step).unwrap();
+    }
+    let removed = world.water.as_ref().unwrap().fluid.removed().count as usize;
+    let passed = count(&world).abs_diff(before) + removed;
+    println!(
+        "{what}, draw {draw:3}: {passed} past, put back {} in {} steps",
+        world.extremes().particles_pushed_back,
+        world.clock().steps
+    );
+    passed
+}
+
+/// Of water between two levels past a plate of 0.3 spacings.
+fn past_a_plate(draw: u32, until: f64) -> usize {
+    let (case, _) = between_two_levels("Particles", 0.3, 0.02, "dimensions: Two");
+    let middle = 20.15 * case.spacing;
+    past("C16 in a plane", case, |x| middle < x.x, draw, until)
+}
+
+/// Of still water past the walls of a basin whose rows lie half a spacing off them.
+fn out_of_a_basin(draw: u32, until: f64) -> usize {
+    let mut more = plain();
+    more[0] = "dimensions: Two".into();
+    let size = [20, 1, 16];
+    let (case, spacing) = still("Particles", size, None, more);
+    let length = size[0] as f64 * spacing;
+    let is_out = |x: &Vec3| x.z < 0.0 || x.x < 0.0 || length < x.x;
+    past("still water", case, is_out, draw, until)
+}
+
+#[test]
+fn nothing_passes_a_thin_plate_nor_a_basin_at_the_whole_step() {
+    for draw in [0, 199] {
+        assert_eq!(past_a_plate(draw, 0.3), 0, "{draw}");
+        assert_eq!(out_of_a_basin(draw, 0.5), 0, "{draw}");
+    }
+}
+
+#[test]
+#[ignore = "slow: 4 min"]
+fn nothing_passes_a_thin_plate_in_200_draws() {
+    for draw in 0..200 {
+        assert_eq!(past_a_plate(draw, 1.5), 0, "{draw}");
+    }
+}
+
+#[test]
+#[ignore = "slow: 2 min"]
+fn nothing_leaves_a_basin_in_200_draws() {
+    for draw in 0..200 {
+        assert_eq!(out_of_a_basin(draw, 2.0), 0, "{draw}");
     }
 }
