@@ -550,6 +550,47 @@ fn grains_that_sink_raise_the_level() {
     );
 }
 
+/// A grain that has gone a period down a channel sees the walls that are there.
+#[test]
+fn a_grain_a_period_away_is_at_its_own_walls() {
+    let size = [0.5, 0.5, 0.8];
+    let force = |shift: f64| {
+        let mixture = Mixture {
+            size,
+            periodic: "X, Y",
+            gravity: [0.0, 0.0, -9.81],
+            water: (1000.0, 1e-3, String::new()),
+            spacing: 0.05,
+            filled: [[0.0; 3], [0.5; 3]],
+            grains: grains_in(
+                [[0.2, 0.2, 0.0], [0.24, 0.24, 0.04]],
+                0.04,
+                0.04,
+                "count: 1,",
+            ),
+            blocks: vec![block(
+                "floor",
+                &cuboid([-0.6, -0.6, -0.2], [1.1, 1.1, 0.0]),
+                FIXED,
+            )],
+            numerics: String::new(),
+        };
+        let mut world = mixture.world_of_fixed(|shape| {
+            if let Shape::Sphere { center, .. } = shape {
+                center.x += shift;
+            }
+        });
+        step(&mut world, 1e-4);
+        let grains = world.water.as_ref().unwrap().grains.as_ref().unwrap();
+        let forces: Vec<Vec3> = grains.forces().map(|(_, on)| on.total()).collect();
+        forces[0]
+    };
+    let (here, there) = (force(0.0), force(0.5));
+    assert!(here.norm() > 0.1, "{here}");
+    // kernels in single precision
+    assert!((here - there).norm() < 1e-5 * here.norm(), "{here} {there}");
+}
+
 /// Grains above the water move as if there were none, and the water as without them.
 #[test]
 fn grains_that_do_not_touch_water_change_nothing() {

@@ -225,7 +225,10 @@ impl Chunk {
     fn list(&mut self, water: &Water, grain: &Grain, blocks: &Blocks, view: &View) -> f64 {
         let grid = water.grid;
         let kernel = Wendland::new(grain.reach);
-        let x = grid.wrapped(blocks.centroid(grain.block));
+        let centroid = blocks.centroid(grain.block);
+        let x = grid.wrapped(centroid);
+        // walls are where the grain is, the water where its image in the domain is
+        let to_walls = centroid - x;
         let reach = grain.reach + water.moved;
         let [along, across, up] = [0, 1, 2].map(|axis| pieces(grid, axis, x[axis], reach));
         let first = self.water.len();
@@ -253,12 +256,15 @@ impl Chunk {
                     self.row.keep(water, row, &to_grain, &kernel);
                     if view.has_walls() {
                         self.row.find_offsets(water, &to_grain);
-                        if view.may_hide(&x, &self.row.offsets, OFFSET_ERROR * reach) {
-                            let sees = |a: u32| view.sees(blocks, &x, &(water.place(a) + shift));
+                        if view.may_hide(&centroid, &self.row.offsets, OFFSET_ERROR * reach) {
+                            let sees = |a: u32| {
+                                let place = water.place(a) + shift + to_walls;
+                                view.sees(blocks, &centroid, &place)
+                            };
                             self.row.retain(sees);
                         }
                         for image in &view.images()[1..] {
-                            self.row.add_image(&(image - x), &kernel);
+                            self.row.add_image(&(image - centroid), &kernel);
                         }
                     }
                     self.water.extend_from_slice(&self.row.water);
