@@ -22,8 +22,10 @@
 //!
 //! Sources: Anderson & Jackson (1967); Robinson, Ramaioli & Luding (2014), with particles; drag in [`drag`].
 
+mod cells;
 pub mod drag;
 mod pairs;
+mod row;
 mod sight;
 
 use rayon::prelude::*;
