@@ -1,6 +1,7 @@
 //! Boxes that float, and limits of bodies on few particles.
 
 use super::*;
+use crate::support::scene::whole_step;
 
 /// C11: a plate rests on four particles on a floor, by the springs of penalty walls. Its limit is that of the chain
 ///
@@ -172,10 +173,7 @@ fn no_particle_gets_through_a_box_that_tumbles_for_long() {
 #[ignore = "the same in 200 draws at the whole step: 2 min"]
 fn no_particle_gets_through_a_tumbling_box_in_200_draws() {
     for draw in 0..200 {
-        let more = 10_f64.powf(-8.0 + 4.0 * f64::from(draw) / 200.0);
-        let ratio = 1.3 * (1.0 + more);
-        let numerics =
-            format!("numerics: (time_step_factor: 1.0, smoothing_length_ratio: {ratio:?}),");
+        let numerics = format!("numerics: ({}),", whole_step(draw));
         tumble("Particles", 10.0, &numerics);
     }
 }

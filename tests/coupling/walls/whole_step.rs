@@ -2,13 +2,10 @@
 
 use super::plates::{between_two_levels, column_beside};
 use super::*;
+use crate::support::scene::whole_step;
 
-/// The whole stable step, and a smoothing length that differs in its last digits: another draw of the same chaos, once it has
-/// had the time to grow.
 fn at_the_whole_step(mut case: Case, draw: u32) -> Case {
-    let more = 10_f64.powf(-8.0 + 4.0 * f64::from(draw) / 200.0);
-    let ratio = 1.3 * (1.0 + more);
-    case.more[2] = format!("time_step_factor: 1.0, smoothing_length_ratio: {ratio:?}");
+    case.more[2] = whole_step(draw);
     case
 }
 
