@@ -42,6 +42,12 @@ fn add_moments<L: Lanes>(m: &mut [L; 6], [wx, wy, wz]: &Lanes3<L>, [x, y, z]: La
     m[5] = wx.mul_add(y, m[5]);
 }
 
+/// Totals of what [`add_moments`] summed, with their sign; by hand, as `map` would be a call without the registers of its caller.
+#[inline(always)]
+fn moments_of<L: Lanes>([a, b, c, d, e, f]: [L; 6]) -> [f64; 6] {
+    [-a.sum(), -b.sum(), -c.sum(), -d.sum(), -e.sum(), -f.sum()]
+}
+
 /// Mirrors what [`add_moments`] summed: yz, zx and xy change sign where one of the two axes is reversed.
 #[inline(always)]
 fn mirror_moments<L: Lanes>(m: &mut [L; 6], [sx, sy, sz]: &Lanes3<L>) {
@@ -116,7 +122,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
 
     #[inline(always)]
     fn finish(&self, _: usize, (moments, gradient): Self::Sums, _: u32, out: &mut [f64; 3]) {
-        let inverse = renormalization(&moments.map(|lanes| -lanes.sum()), self.dimensions);
+        let inverse = renormalization(&moments_of(moments), self.dimensions);
         *out = (inverse * Vector3::from(totals(gradient))).into();
     }
 }
@@ -237,8 +243,8 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Strain<'_, L, K> {
         // horizontal sums of lanes are a large part of the cost: in two dimensions eight of the fifteen sums are zero
         *out = match self.dimensions {
             Dimensions::Three => StrainSums {
-                moments: m.map(|lanes| -lanes.sum()),
-                velocity: v.map(totals),
+                moments: moments_of(m),
+                velocity: [totals(v[0]), totals(v[1]), totals(v[2])],
             },
             Dimensions::Two { .. } => StrainSums {
                 moments: [-m[0].sum(), 0.0, -m[2].sum(), 0.0, -m[4].sum(), 0.0],
