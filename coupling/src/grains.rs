@@ -24,9 +24,11 @@
 
 mod cells;
 pub mod drag;
+mod nearby;
+mod packing;
 mod pairs;
-mod row;
 mod sight;
+mod sums;
 
 use rayon::prelude::*;
 use riprap_dda::Blocks;
@@ -103,8 +105,15 @@ impl OnGrain {
     }
 }
 
-/// Opposites of the forces of added mass and of drag on a particle of water; N.
-type OnWater = [Vec3; 2];
+/// Opposites of the forces of added mass and of drag on a particle of water; N, three each.
+type OnWater = [f64; 6];
+
+/// Sums over the grains whose kernels reach a particle of water: volume per sum over the kernel (–), one over this sum (1/m³), and the
+/// flux (m/s).
+type OfGrains = [f64; 5];
+
+/// Quantities of [`Seen`].
+const SEEN: usize = 15;
 
 /// Power of the exchange; W.
 #[derive(Clone, Copy, Debug, Default)]
@@ -119,27 +128,6 @@ pub(crate) struct Power {
     pub by_prescribed: f64,
     /// Force that grains which are not free exert on the water; N.
     pub held: Vec3,
-}
-
-/// Sums over the grains whose kernels reach a particle of water.
-#[derive(Clone, Copy, Debug, Default)]
-struct OfGrains {
-    /// Of volume per sum over the kernel; –.
-    room: f64,
-    /// Of one over the sum; 1/m³.
-    sums: f64,
-    /// m/s.
-    flux: Vec3,
-}
-
-impl OfGrains {
-    /// Adds a grain by its kernel (1/m³).
-    #[inline]
-    fn add(&mut self, grain: &Self, kernel: f64) {
-        self.room += grain.room * kernel;
-        self.sums += grain.sums * kernel;
-        self.flux += grain.flux * kernel;
-    }
 }
 
 /// All grains that exchange forces with the water by averages.
@@ -169,7 +157,7 @@ pub struct AveragedGrains {
     /// Of each particle, as just summed.
     of_grains: Vec<OfGrains>,
     /// Of each particle, as the weights see it.
-    seen: Vec<Seen>,
+    seen: Vec<[f64; SEEN]>,
     /// Time over which the forces found next act; s.
     dt: f64,
     /// Energy of compression that grains brought in as they got wet, not taken yet; J.
@@ -303,11 +291,7 @@ impl AveragedGrains {
                 true => Vec3::zeros(),
                 false => blocks.velocity(grains[g].block) * room[g],
             };
-            OfGrains {
-                room: room[g],
-                sums: 1.0 / pairs.filled_of(g),
-                flux,
-            }
+            [room[g], 1.0 / pairs.filled_of(g), flux.x, flux.y, flux.z]
         };
         for column in [&mut self.porosity, &mut self.fits, &mut self.sums] {
             column.resize(n, 1.0);
@@ -324,20 +308,17 @@ impl AveragedGrains {
         );
         columns.into_par_iter().enumerate().for_each(
             |(range, (porosity, fits, sums, flux, of_grains))| {
-                of_grains.fill(OfGrains::default());
-                let first = range * pairs::RANGE;
-                pairs.for_each_in(range, of_grain, |a, kernel, grain| {
-                    of_grains[a - first].add(&grain, kernel);
-                });
-                for (k, all) in of_grains.iter().enumerate() {
-                    let share = 1.0 - all.room;
+                pairs.sums_of_grains(range, of_grain, of_grains);
+                let volume = &volume[range * pairs::RANGE..];
+                for (k, &[room, per_sum, x, y, z]) in of_grains.iter().enumerate() {
+                    let share = 1.0 - room;
                     porosity[k] = share.max(LEAST_POROSITY);
                     fits[k] = match share < LEAST_POROSITY {
-                        true => (1.0 - LEAST_POROSITY) / all.room,
+                        true => (1.0 - LEAST_POROSITY) / room,
                         false => 1.0,
                     };
-                    flux[k] = all.flux * fits[k];
-                    sums[k] = all.sums * volume[first + k];
+                    flux[k] = Vec3::new(x, y, z) * fits[k];
+                    sums[k] = per_sum * volume[k];
                 }
             },
         );
@@ -365,7 +346,7 @@ impl AveragedGrains {
         } = self;
         let particles = (0..volume.len()).into_par_iter().with_min_len(CHUNK);
         particles
-            .map(|a| Seen::of(fluid, a, volume[a], fits[a], sums[a]))
+            .map(|a| Seen::of(fluid, a, volume[a], fits[a], sums[a]).quantities())
             .collect_into_vec(seen);
         let moving = Moving {
             fluid,
@@ -397,32 +378,34 @@ impl AveragedGrains {
         let (pairs, on_grains) = (&*pairs, &*on_grains);
         let of_grain = |g: usize| {
             let per_sum = -1.0 / pairs.filled_of(g);
-            [on_grains[g].added * per_sum, on_grains[g].drag * per_sum]
+            let [added, drag] =
+                [on_grains[g].added, on_grains[g].drag].map(|force| force * per_sum);
+            [added.x, added.y, added.z, drag.x, drag.y, drag.z]
         };
         self.on_water.resize(volume.len(), OnWater::default());
         self.on_water
             .par_chunks_mut(pairs::RANGE)
             .enumerate()
             .for_each(|(range, out)| {
-                out.fill(OnWater::default());
-                let first = range * pairs::RANGE;
-                pairs.for_each_in(range, of_grain, |a, kernel, [added, drag]| {
-                    out[a - first][0] += added * kernel;
-                    out[a - first][1] += drag * kernel;
-                });
-                for (forces, volume) in out.iter_mut().zip(&volume[first..]) {
-                    *forces = forces.map(|force| force * *volume);
+                pairs.sums_of_grains(range, of_grain, out);
+                for (forces, volume) in out.iter_mut().zip(&volume[range * pairs::RANGE..]) {
+                    *forces = forces.map(|force| force * volume);
                 }
             });
         fluid.leave_grains_their_share();
         let is_pushed = |forces: &OnWater| forces != &OnWater::default();
         let given = self.on_water.iter().enumerate();
-        fluid.add_forces(given.filter(|(_, forces)| is_pushed(forces)).map(
-            |(a, [added, drag])| ParticleForce {
-                particle: a as u32,
-                force: added + drag,
-            },
-        ));
+        fluid.add_forces(
+            given
+                .filter(|(_, forces)| is_pushed(forces))
+                .map(|(a, forces)| {
+                    let [added, drag] = vectors(forces);
+                    ParticleForce {
+                        particle: a as u32,
+                        force: added + drag,
+                    }
+                }),
+        );
     }
 
     /// Kinetic energy of the water that is accelerated with the grains; J.
@@ -436,8 +419,9 @@ impl AveragedGrains {
         let of_chunk = |(chunk, forces): (usize, &[OnWater])| {
             let mut sums = [0.0; 2];
             for (v, forces) in velocity[chunk * CHUNK..].iter().zip(forces) {
-                sums[0] += forces[0].dot(v);
-                sums[1] += forces[1].dot(v);
+                let [added, drag] = vectors(forces);
+                sums[0] += added.dot(v);
+                sums[1] += drag.dot(v);
             }
             sums
         };
@@ -489,6 +473,11 @@ impl AveragedGrains {
     }
 }
 
+/// Forces of added mass and of drag; N.
+fn vectors(&[a, b, c, d, e, f]: &OnWater) -> [Vec3; 2] {
+    [Vec3::new(a, b, c), Vec3::new(d, e, f)]
+}
+
 /// A grain as it moves.
 struct Body {
     /// With the forces of this step's contacts and gravity; m/s.
@@ -536,15 +525,45 @@ impl Seen {
         }
     }
 
-    #[inline]
-    fn add(&mut self, other: &Self, factor: f64) {
-        self.velocity += other.velocity * factor;
-        self.pressure += other.pressure * factor;
-        self.viscous += other.viscous * factor;
-        self.acceleration += other.acceleration * factor;
-        self.solid += other.solid * factor;
-        self.inverse_mass += other.inverse_mass * factor;
-        self.volume += other.volume * factor;
+    /// All of them, the volume at the end.
+    fn quantities(&self) -> [f64; SEEN] {
+        let [u, p, s, a] = [
+            self.velocity,
+            self.pressure,
+            self.viscous,
+            self.acceleration,
+        ];
+        let (solid, inverse_mass) = (self.solid, self.inverse_mass);
+        [
+            u.x,
+            u.y,
+            u.z,
+            p.x,
+            p.y,
+            p.z,
+            s.x,
+            s.y,
+            s.z,
+            a.x,
+            a.y,
+            a.z,
+            solid,
+            inverse_mass,
+            self.volume,
+        ]
+    }
+
+    fn from_quantities(of: [f64; SEEN]) -> Self {
+        let vector = |first: usize| Vec3::new(of[first], of[first + 1], of[first + 2]);
+        Self {
+            velocity: vector(0),
+            pressure: vector(3),
+            viscous: vector(6),
+            acceleration: vector(9),
+            solid: of[12],
+            inverse_mass: of[13],
+            volume: of[14],
+        }
     }
 }
 
@@ -552,21 +571,17 @@ impl Seen {
 struct Moving<'a> {
     fluid: &'a Fluid,
     settings: &'a Settings,
-    seen: &'a [Seen],
+    seen: &'a [[f64; SEEN]],
     dt: f64,
 }
 
 impl Moving<'_> {
     /// Means of the water around a grain, and the share of water at it, with that of the grain itself as its neighbors let it count.
     fn around(&self, grain: &Grain, wet: f64, (pairs, g): (&Pairs, usize)) -> (Seen, f64) {
-        let (mut around, mut own) = (Seen::default(), 0.0);
         let per_sum = 1.0 / pairs.filled_of(g);
-        pairs.for_each_of(g, |a, kernel| {
-            let (seen, weight) = (&self.seen[a], kernel * per_sum);
-            around.add(seen, weight);
-            own += seen.volume * weight * kernel;
-        });
-        let of_itself = own * grain.volume * wet * per_sum;
+        let (sums, own) = pairs.sums_of_water(g, self.seen);
+        let around = Seen::from_quantities(sums.map(|sum| sum * per_sum));
+        let of_itself = own * grain.volume * wet * per_sum * per_sum;
         (around, 1.0 - unbiased(around.solid, of_itself))
     }
 

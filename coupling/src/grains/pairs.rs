@@ -12,13 +12,14 @@ use riprap_sph::{Fluid, Vec3};
 
 use super::Grain;
 use super::cells::pieces;
-use super::row::{Row, Water, Wendland};
+use super::nearby::{Cells, Nearby, Water, Wendland};
 use super::sight::{Sight, View};
+use super::sums::{Gather, List, Spread};
 
 /// Grains per parallel task.
 const GRAINS: usize = 32;
 /// Particles per parallel task.
-pub(super) const RANGE: usize = 4096;
+pub(super) const RANGE: usize = 8192;
 /// Error of a place from a grain in single precision, with margin; × the radius of its kernel.
 const OFFSET_ERROR: f64 = 1e-5;
 
@@ -45,7 +46,7 @@ struct Chunk {
     cut_starts: Vec<u32>,
     /// First pair of each of these ranges, and the end, grain by grain.
     cuts: Vec<u32>,
-    row: Row,
+    nearby: Nearby,
 }
 
 impl Pairs {
@@ -108,33 +109,38 @@ impl Pairs {
         self.chunks[grain / GRAINS].filled[grain % GRAINS]
     }
 
-    /// Calls `visit` with each particle of a grain's list and the kernel of the pair (1/m³).
-    pub(super) fn for_each_of(&self, grain: usize, mut visit: impl FnMut(usize, f64)) {
+    /// Sums of values of the particles of a grain's list times the kernel (1/m³), and of the last of them times its square.
+    pub(super) fn sums_of_water<const N: usize>(
+        &self,
+        grain: usize,
+        values: &[[f64; N]],
+    ) -> ([f64; N], f64) {
         let chunk = &self.chunks[grain / GRAINS];
-        let list = chunk.list_of(grain % GRAINS);
-        for (&a, &w) in chunk.water[list.clone()].iter().zip(&chunk.kernel[list]) {
-            visit(a as usize, f64::from(w));
-        }
+        let list = chunk.pairs(chunk.list_of(grain % GRAINS));
+        Gather { list, values }.run()
     }
 
-    /// Calls `visit` with all pairs of a range of [`RANGE`] particles, grain by grain: particle, kernel (1/m³), and what `of` makes of
-    /// the grain, which has water.
-    pub(super) fn for_each_in<T: Copy>(
+    /// Finds the sums of what `of` makes of the grains that have water, times the kernel (1/m³), of each particle of a range of [`RANGE`].
+    pub(super) fn sums_of_grains<const N: usize>(
         &self,
         range: usize,
-        of: impl Fn(usize) -> T,
-        mut visit: impl FnMut(usize, f64, T),
+        of: impl Fn(usize) -> [f64; N],
+        sums: &mut [[f64; N]],
     ) {
+        sums.fill([0.0; N]);
         for (number, chunk) in self.chunks.iter().enumerate() {
             for local in 0..chunk.filled.len() {
                 let pairs = chunk.list_within(local, range);
                 if pairs.is_empty() {
                     continue;
                 }
-                let value = of(number * GRAINS + local);
-                for (&a, &w) in chunk.water[pairs.clone()].iter().zip(&chunk.kernel[pairs]) {
-                    visit(a as usize, f64::from(w), value);
-                }
+                let spread = Spread {
+                    list: chunk.pairs(pairs),
+                    of_grain: of(number * GRAINS + local),
+                    first: range * RANGE,
+                    sums,
+                };
+                spread.run();
             }
         }
     }
@@ -143,6 +149,13 @@ impl Pairs {
 impl Chunk {
     fn list_of(&self, local: usize) -> Range<usize> {
         self.starts[local] as usize..self.starts[local + 1] as usize
+    }
+
+    fn pairs(&self, range: Range<usize>) -> List<'_> {
+        List {
+            water: &self.water[range.clone()],
+            kernel: &self.kernel[range],
+        }
     }
 
     /// Pairs of a grain and a range of particles.
@@ -196,8 +209,6 @@ impl Chunk {
         let kernel = Wendland::new(grain.reach);
         let centroid = blocks.centroid(grain.block);
         let x = grid.wrapped(centroid);
-        // walls are where the grain is, the water where its image in the domain is
-        let to_walls = centroid - x;
         let reach = grain.reach + water.moved;
         let [along, across, up] = [0, 1, 2].map(|axis| pieces(grid, axis, x[axis], reach));
         let first = self.water.len();
@@ -207,6 +218,8 @@ impl Chunk {
                 .max(x[axis] - low - grid.cell_size()[axis])
                 .max(0.0)
         };
+        let nearby = &mut self.nearby;
+        nearby.cells.clear();
         for (k, z) in up.cells() {
             let left = reach * reach - gap(2, k, z).powi(2);
             for (j, y) in across.cells() {
@@ -218,29 +231,23 @@ impl Chunk {
                     let Some((from, to)) = piece.within(grid, x.x, chord2.sqrt()) else {
                         continue;
                     };
-                    let cells = [from, to].map(|i| grid.particles_in(grid.cell_at([i, j, k])));
-                    let shift = Vec3::new(piece.shift, y, z);
-                    let to_grain = shift - x;
-                    let row = cells[0].start..cells[1].end;
-                    self.row.keep(water, row, &to_grain, &kernel);
-                    if view.has_walls() {
-                        self.row.find_offsets(water, &to_grain);
-                        if view.may_hide(&centroid, &self.row.offsets, OFFSET_ERROR * reach) {
-                            let sees = |a: u32| {
-                                let place = water.place(a) + shift + to_walls;
-                                view.sees(blocks, &centroid, &place)
-                            };
-                            self.row.retain(sees);
-                        }
-                        for image in &view.images()[1..] {
-                            self.row.add_image(&(image - centroid), &kernel);
-                        }
-                    }
-                    self.water.extend_from_slice(&self.row.water);
-                    self.kernel.extend_from_slice(&self.row.kernel);
+                    let ends = [from, to].map(|i| grid.particles_in(grid.cell_at([i, j, k])));
+                    nearby.cells.push(Cells {
+                        particles: ends[0].start..ends[1].end,
+                        shift: Vec3::new(piece.shift, y, z),
+                    });
                 }
             }
         }
+        nearby.keep(water, &x, &kernel);
+        // walls are where the grain is, the water where its image in the domain is
+        if view.may_hide(&centroid, nearby.offsets(), OFFSET_ERROR * reach) {
+            nearby.retain(|offset| view.sees(blocks, &centroid, &(centroid + offset)));
+        }
+        let images = view.images()[1..].iter().map(|image| image - centroid);
+        nearby.find_kernel(images, &kernel);
+        self.water.extend_from_slice(nearby.water());
+        self.kernel.extend_from_slice(nearby.kernel());
         self.sort_from(first);
         let pairs = self.water[first..].iter().zip(&self.kernel[first..]);
         pairs

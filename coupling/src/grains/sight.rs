@@ -121,13 +121,9 @@ impl View {
         &self.images[..self.n_images]
     }
 
-    pub(super) fn has_walls(&self) -> bool {
-        self.n > 0
-    }
-
     /// Whether any wall may hide any of some places from a grain at `x` (m): those behind a plane in front of it. The places are from
     /// the grain, an axis a column, to within an error; m.
-    pub(super) fn may_hide(&self, x: &Vec3, offsets: &[Vec<f32>; 3], error: f64) -> bool {
+    pub(super) fn may_hide(&self, x: &Vec3, offsets: [&[f32]; 3], error: f64) -> bool {
         let [dx, dy, dz] = offsets;
         self.near[..self.n].iter().any(|wall| {
             let normal: [f32; 3] = std::array::from_fn(|axis| wall.normal[axis] as f32);
@@ -184,12 +180,12 @@ mod tests {
     fn only_what_is_behind_a_plane_may_be_hidden() {
         let mut view = View::default();
         view.add(wall(0, Vec3::z(), 0.1));
-        let places = |z: [f32; 3]| [[0.3, -0.2, 0.0].to_vec(), [0.1; 3].to_vec(), z.to_vec()];
-        let may_hide = |z| view.may_hide(&Vec3::zeros(), &places(z), 1e-6);
+        let may_hide =
+            |z: [f32; 3]| view.may_hide(&Vec3::zeros(), [&[0.3, -0.2, 0.0], &[0.1; 3], &z], 1e-6);
         assert!(!may_hide([0.2, -0.05, -0.0999]));
         assert!(may_hide([0.2, -0.11, 0.05]));
         // within the error of a place
         assert!(may_hide([0.2, 0.0, -0.099_999_5]));
-        assert!(!View::default().may_hide(&Vec3::zeros(), &places([-1.0; 3]), 1e-6));
+        assert!(!View::default().may_hide(&Vec3::zeros(), [&[-1.0]; 3], 1e-6));
     }
 }
