@@ -9,6 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 use riprap_sph::{CellGrid, Vec3};
 
 use super::packing::{OneByOne, Packed, Packing, WIDTH};
+use super::sums::Pair;
 
 /// The water as lists are made of it.
 pub(super) struct Water<'a> {
@@ -44,14 +45,10 @@ pub(super) struct Nearby {
 }
 
 impl Nearby {
-    /// Particles, in order of the rows.
-    pub(super) fn water(&self) -> &[u32] {
-        &self.water[..self.n]
-    }
-
-    /// Of each of them; 1/m³.
-    pub(super) fn kernel(&self) -> &[f32] {
-        &self.kernel[..self.n]
+    /// Particles, in order of the rows, with their kernels.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        let pairs = self.water.iter().zip(&self.kernel).take(self.n);
+        pairs.map(|(&water, &kernel)| Pair { water, kernel })
     }
 
     /// Their places from the grain, an axis a column; m.

@@ -14,7 +14,7 @@ use super::Grain;
 use super::cells::pieces;
 use super::nearby::{Cells, Nearby, Water, Wendland};
 use super::sight::{Sight, View};
-use super::sums::{Gather, List, Spread};
+use super::sums::{Gather, Pair, Spread};
 
 /// Grains per parallel task.
 const GRAINS: usize = 32;
@@ -36,9 +36,7 @@ pub(super) struct Pairs {
 struct Chunk {
     /// First pair of each grain, and the end.
     starts: Vec<u32>,
-    water: Vec<u32>,
-    /// Kernel of each pair; 1/m³.
-    kernel: Vec<f32>,
+    pairs: Vec<Pair>,
     /// Sum of the kernel over the water of each grain; –.
     filled: Vec<f64>,
     /// Of each grain, the first of the ranges of particles that its list goes through, and where in `cuts` their first pairs are.
@@ -52,7 +50,7 @@ struct Chunk {
 impl Pairs {
     /// Number of pairs.
     pub(super) fn len(&self) -> usize {
-        self.chunks.iter().map(|chunk| chunk.water.len()).sum()
+        self.chunks.iter().map(|chunk| chunk.pairs.len()).sum()
     }
 
     /// Lists the water that grains see within their kernels, of a volume a particle (m³). Periods are at least two radii.
@@ -83,7 +81,7 @@ impl Pairs {
             .for_each(|(chunk, grains)| {
                 chunk.clear();
                 for grain in grains {
-                    let first = chunk.water.len();
+                    let first = chunk.pairs.len();
                     chunk.starts.push(first as u32);
                     let filled = match blocks.is_removed(grain.block) {
                         true => 0.0,
@@ -92,7 +90,7 @@ impl Pairs {
                     chunk.filled.push(filled);
                     chunk.cut_from(first);
                 }
-                chunk.starts.push(chunk.water.len() as u32);
+                chunk.starts.push(chunk.pairs.len() as u32);
                 chunk.cut_starts.push(chunk.cuts.len() as u32);
             });
     }
@@ -116,7 +114,7 @@ impl Pairs {
         values: &[[f64; N]],
     ) -> ([f64; N], f64) {
         let chunk = &self.chunks[grain / GRAINS];
-        let list = chunk.pairs(chunk.list_of(grain % GRAINS));
+        let list = &chunk.pairs[chunk.list_of(grain % GRAINS)];
         Gather { list, values }.run()
     }
 
@@ -135,7 +133,7 @@ impl Pairs {
                     continue;
                 }
                 let spread = Spread {
-                    list: chunk.pairs(pairs),
+                    list: &chunk.pairs[pairs],
                     of_grain: of(number * GRAINS + local),
                     first: range * RANGE,
                     sums,
@@ -149,13 +147,6 @@ impl Pairs {
 impl Chunk {
     fn list_of(&self, local: usize) -> Range<usize> {
         self.starts[local] as usize..self.starts[local + 1] as usize
-    }
-
-    fn pairs(&self, range: Range<usize>) -> List<'_> {
-        List {
-            water: &self.water[range.clone()],
-            kernel: &self.kernel[range],
-        }
     }
 
     /// Pairs of a grain and a range of particles.
@@ -173,14 +164,13 @@ impl Chunk {
     fn clear(&mut self) {
         for column in [
             &mut self.starts,
-            &mut self.water,
             &mut self.first_range,
             &mut self.cut_starts,
             &mut self.cuts,
         ] {
             column.clear();
         }
-        self.kernel.clear();
+        self.pairs.clear();
         self.filled.clear();
     }
 
@@ -188,19 +178,19 @@ impl Chunk {
     /// took longer than the sums.
     fn cut_from(&mut self, first: usize) {
         self.cut_starts.push(self.cuts.len() as u32);
-        let range_of = |a: u32| a / RANGE as u32;
-        let list = &self.water[first..];
-        let (Some(&lowest), Some(&highest)) = (list.first(), list.last()) else {
+        let range_of = |pair: &Pair| pair.water / RANGE as u32;
+        let list = &self.pairs[first..];
+        let (Some(lowest), Some(highest)) = (list.first(), list.last()) else {
             self.first_range.push(0);
             return;
         };
         self.first_range.push(range_of(lowest));
         self.cuts.push(first as u32);
         for range in range_of(lowest)..range_of(highest) {
-            let n = list.partition_point(|&a| range_of(a) <= range);
+            let n = list.partition_point(|pair| range_of(pair) <= range);
             self.cuts.push((first + n) as u32);
         }
-        self.cuts.push(self.water.len() as u32);
+        self.cuts.push(self.pairs.len() as u32);
     }
 
     /// Appends the list of a grain, in order of the particles; returns its kernel sum.
@@ -211,7 +201,7 @@ impl Chunk {
         let x = grid.wrapped(centroid);
         let reach = grain.reach + water.moved;
         let [along, across, up] = [0, 1, 2].map(|axis| pieces(grid, axis, x[axis], reach));
-        let first = self.water.len();
+        let first = self.pairs.len();
         let gap = |axis: usize, cell: usize, shift: f64| {
             let low = grid.min()[axis] + cell as f64 * grid.cell_size()[axis] + shift;
             (low - x[axis])
@@ -246,26 +236,14 @@ impl Chunk {
         }
         let images = view.images()[1..].iter().map(|image| image - centroid);
         nearby.find_kernel(images, &kernel);
-        self.water.extend_from_slice(nearby.water());
-        self.kernel.extend_from_slice(nearby.kernel());
-        self.sort_from(first);
-        let pairs = self.water[first..].iter().zip(&self.kernel[first..]);
-        pairs
-            .map(|(&a, &kernel)| water.volume[a as usize] * f64::from(kernel))
+        self.pairs.extend(nearby.pairs());
+        let list = &mut self.pairs[first..];
+        // out of order is only what was found across the sides of a narrow period
+        if !list.is_sorted_by_key(|pair| pair.water) {
+            list.sort_by_key(|pair| pair.water);
+        }
+        (list.iter())
+            .map(|pair| water.volume[pair.water as usize] * f64::from(pair.kernel))
             .sum()
-    }
-
-    /// Puts the last list in order, from its first pair on; out of order is only what was found across the sides of a narrow period.
-    fn sort_from(&mut self, first: usize) {
-        if self.water[first..].is_sorted() {
-            return;
-        }
-        let mut pairs: Vec<(u32, f32)> = (self.water[first..].iter().copied())
-            .zip(self.kernel[first..].iter().copied())
-            .collect();
-        pairs.sort_by_key(|&(a, _)| a);
-        for (k, (a, kernel)) in pairs.into_iter().enumerate() {
-            (self.water[first + k], self.kernel[first + k]) = (a, kernel);
-        }
     }
 }

@@ -5,16 +5,17 @@
 
 use pulp::{Arch, NullaryFnOnce};
 
-/// Particles of a list and the kernel of each pair; 1/m³.
-#[derive(Clone, Copy)]
-pub(super) struct List<'a> {
-    pub(super) water: &'a [u32],
-    pub(super) kernel: &'a [f32],
+/// A particle within the kernel of a grain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) water: u32,
+    /// 1/m³.
+    pub(super) kernel: f32,
 }
 
 /// Adds the values of a grain times the kernel to those of the particles of its list, counted from `first`.
 pub(super) struct Spread<'a, const N: usize> {
-    pub(super) list: List<'a>,
+    pub(super) list: &'a [Pair],
     pub(super) of_grain: [f64; N],
     pub(super) first: usize,
     pub(super) sums: &'a mut [[f64; N]],
@@ -31,9 +32,9 @@ impl<const N: usize> NullaryFnOnce for Spread<'_, N> {
 
     #[inline(always)]
     fn call(self) {
-        for (&a, &kernel) in self.list.water.iter().zip(self.list.kernel) {
-            let kernel = f64::from(kernel);
-            let sums = &mut self.sums[a as usize - self.first];
+        for pair in self.list {
+            let kernel = f64::from(pair.kernel);
+            let sums = &mut self.sums[pair.water as usize - self.first];
             for (sum, value) in sums.iter_mut().zip(&self.of_grain) {
                 *sum += value * kernel;
             }
@@ -43,7 +44,7 @@ impl<const N: usize> NullaryFnOnce for Spread<'_, N> {
 
 /// Sums the values of the particles of a list times the kernel, and the last of them times its square.
 pub(super) struct Gather<'a, const N: usize> {
-    pub(super) list: List<'a>,
+    pub(super) list: &'a [Pair],
     pub(super) values: &'a [[f64; N]],
 }
 
@@ -59,9 +60,9 @@ impl<const N: usize> NullaryFnOnce for Gather<'_, N> {
     #[inline(always)]
     fn call(self) -> ([f64; N], f64) {
         let (mut sums, mut last_by_square) = ([0.0; N], 0.0);
-        for (&a, &kernel) in self.list.water.iter().zip(self.list.kernel) {
-            let kernel = f64::from(kernel);
-            let values = &self.values[a as usize];
+        for pair in self.list {
+            let kernel = f64::from(pair.kernel);
+            let values = &self.values[pair.water as usize];
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += value * kernel;
             }
