@@ -358,6 +358,14 @@ fn slices_of_openings_clog_once_they_are_calm_for_a_second() {
         1e-12,
     );
     assert!(summary["openings"][1].is_null());
+    // seven spheres at rest in it leave room for others, 0.98 to 1.5 m: they close nothing
+    assert_eq!(summary["openings"][0]["clogging"], "none");
+    assert_eq!(summary["openings"][0]["arch_height"].as_f64(), Some(0.0));
+    let slices = read_table(&folder.path().join("out/clogging_dam.csv")).unwrap();
+    let gap = slices.column("gap").unwrap();
+    // the second one leaves 0.52 m; in the upper slices there is nothing
+    check("gap at the floor", gap[gap.len() - 10], 0.52, 1e-3);
+    check("gap at the top", last(&slices, "gap"), 1.3, 1e-12);
 }
 
 /// Water 0.5 m deep in a tank 0.4 m wide, which the plate closes beyond its sides and floor: walls share the load of water in a corner.

@@ -293,7 +293,7 @@ impl Record {
             clogging::update(slices, (&self.barrier, opening), world);
             let [floor, top] = opening.height;
             let height = (top - floor) / SLICES as f64;
-            let arch = clogging::arch(slices, opening).0;
+            let arch = clogging::arch(slices, opening, self.barrier.mean_diameter()).0;
             for (k, slice) in slices.iter().enumerate() {
                 table.cells(&[
                     Cell::Number(world.time()),
@@ -303,6 +303,7 @@ impl Record {
                     Cell::Number((k + 1) as f64 * height),
                     Cell::Whole(slice.bodies),
                     Cell::Number(slice.kinetic),
+                    Cell::Number(slice.gap),
                     Cell::Number(slice.stopped().unwrap_or(f64::NAN)),
                     Cell::Number(arch),
                 ])?;
@@ -353,7 +354,7 @@ fn columns(barrier: &Barrier, has_water: bool) -> Vec<Column> {
     columns
 }
 
-fn clogging_columns() -> [Column; 9] {
+fn clogging_columns() -> [Column; 10] {
     [
         Column::new("time", "s"),
         Column::new("opening", "-"),
@@ -362,6 +363,7 @@ fn clogging_columns() -> [Column; 9] {
         Column::new("top", "m"),
         Column::new("bodies", "-"),
         Column::new("kinetic", "J"),
+        Column::new("gap", "m"),
         Column::new("stopped", "s"),
         Column::new("arch_height", "m"),
     ]

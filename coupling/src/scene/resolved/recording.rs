@@ -275,6 +275,11 @@ pub struct BarrierOpening {
 }
 
 impl Barrier {
+    /// Mean diameter of the free blocks, 0 without any; m.
+    pub fn mean_diameter(&self) -> f64 {
+        self.grain.map_or(0.0, |[diameter, _]| diameter)
+    }
+
     /// Coordinates of a point along its axes; m.
     pub fn coordinates(&self, x: &Vec3) -> [f64; 3] {
         self.axes.map(|axis| axis.dot(x))

@@ -2,7 +2,8 @@
 //!
 //! A slice is from four mean radii before the barrier to its downstream side, as wide as the opening, a tenth of its height. It is calm
 //! while it has bodies and their kinetic energy is below `1e-6 m g d` of the mean body, and clogged once that has lasted for 1 s. The arch
-//! is as high as the clogged slices from the floor up without a gap.
+//! is as high as the clogged slices from the floor up without a gap, up to the highest of them that no mean body could pass straight:
+//! a few bodies that lie in a wide opening close nothing.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,8 @@ pub(super) struct Slice {
     pub bodies: usize,
     /// J.
     pub kinetic: f64,
+    /// Width of the widest free way past its bodies; m.
+    pub gap: f64,
     /// Time since when it is calm; s.
     calm_since: Option<f64>,
     pub is_clogged: bool,
@@ -91,6 +94,7 @@ pub(super) fn update(
     for slice in slices.iter_mut() {
         (slice.bodies, slice.kinetic) = (0, 0.0);
     }
+    let mut covered: [Vec<[f64; 2]>; SLICES] = Default::default();
     let reach = 0.5 * REACH * diameter;
     let [floor, top] = opening.height;
     let height = (top - floor) / SLICES as f64;
@@ -98,32 +102,58 @@ pub(super) fn update(
     for b in (0..blocks.n_blocks()).filter(|&b| blocks.is_free(b)) {
         let [along, across, up] = barrier.coordinates(&blocks.centroid(b));
         let is_there = barrier.extent[0][0] - reach <= along && along <= barrier.extent[0][1];
-        if !is_there || across < opening.across[0] || opening.across[1] < across {
+        let radius = blocks.radius(b);
+        let [left, right] = opening.across;
+        if !is_there || across + radius < left || right < across - radius {
             continue;
         }
-        let radius = blocks.radius(b);
+        // one beside the opening may cover a part of it
+        let is_within = left <= across && across <= right;
         let kinetic = blocks.kinetic_energy(b);
         for (k, slice) in slices.iter_mut().enumerate() {
             let bottom = floor + k as f64 * height;
             if bottom < up + radius && up - radius < bottom + height {
-                slice.bodies += 1;
-                slice.kinetic += kinetic;
+                covered[k].push([across - radius, across + radius]);
+                if is_within {
+                    slice.bodies += 1;
+                    slice.kinetic += kinetic;
+                }
             }
         }
     }
     let limit = CALM * mass * world.gravity.norm() * diameter;
-    for slice in slices {
+    for (slice, covered) in slices.iter_mut().zip(&mut covered) {
+        slice.gap = widest_gap(opening.across, covered);
         slice.update(limit, world.time());
     }
 }
 
-/// Height of the arch (m), and the time at which it stopped (s).
-pub(super) fn arch(slices: &[Slice; SLICES], opening: &BarrierOpening) -> (f64, Option<f64>) {
-    let stops = || slices.iter().map_while(Slice::stopped);
+/// Longest part of an interval that none of some others covers; sorts these.
+fn widest_gap([start, end]: [f64; 2], covered: &mut [[f64; 2]]) -> f64 {
+    covered.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    let (mut gap, mut reached) = (0.0_f64, start);
+    for [from, to] in covered {
+        gap = gap.max(*from - reached);
+        reached = reached.max(*to);
+    }
+    gap.max(end - reached)
+}
+
+/// Height of the arch (m) of bodies of a mean diameter (m), and the time at which it stopped (s).
+pub(super) fn arch(
+    slices: &[Slice; SLICES],
+    opening: &BarrierOpening,
+    diameter: f64,
+) -> (f64, Option<f64>) {
+    let calm = slices.iter().map_while(Slice::stopped).count();
+    let closed = slices[..calm]
+        .iter()
+        .rposition(|slice| slice.gap < diameter);
+    let arch = &slices[..closed.map_or(0, |k| k + 1)];
     let height = opening.height[1] - opening.height[0];
     (
-        height * stops().count() as f64 / SLICES as f64,
-        stops().reduce(f64::max),
+        height * arch.len() as f64 / SLICES as f64,
+        arch.iter().filter_map(Slice::stopped).reduce(f64::max),
     )
 }
 
@@ -133,16 +163,16 @@ pub(super) fn result(
     (barrier, opening): (&Barrier, &BarrierOpening),
     arrival: Option<f64>,
 ) -> OpeningResult {
-    let (arch_height, stop_time) = arch(slices, opening);
+    let diameter = barrier.mean_diameter();
+    let (arch_height, stop_time) = arch(slices, opening, diameter);
     let height = opening.height[1] - opening.height[0];
-    let low = barrier.grain.map_or(0.0, |[diameter, _]| LOW * diameter);
     let clogging = match stop_time {
         None => Clogging::None,
         Some(time) => {
             let took = time - arrival.unwrap_or(time);
             if took < SUDDEN && HIGH * height < arch_height {
                 Clogging::Sudden
-            } else if arch_height <= low {
+            } else if arch_height <= LOW * diameter {
                 Clogging::Late
             } else {
                 Clogging::Progressive
@@ -154,5 +184,48 @@ pub(super) fn result(
         arch_height,
         stop_time,
         clogging,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OPENING: BarrierOpening = BarrierOpening {
+        across: [1.0, 2.0],
+        height: [0.0, 1.0],
+    };
+
+    /// Slices of which so many from the floor have stopped, one after the other, with their gaps (m).
+    fn slices(gaps: &[f64]) -> [Slice; SLICES] {
+        std::array::from_fn(|k| Slice {
+            bodies: 1,
+            kinetic: 0.0,
+            gap: gaps.get(k).copied().unwrap_or(1.0),
+            calm_since: (k < gaps.len()).then_some(k as f64),
+            is_clogged: k < gaps.len(),
+        })
+    }
+
+    #[test]
+    fn the_widest_free_way_is_between_bodies_or_at_a_side() {
+        let gap = |mut covered: Vec<[f64; 2]>| widest_gap(OPENING.across, &mut covered);
+        assert_eq!(gap(vec![]), 1.0);
+        // one that stands out of the opening, and one within another
+        assert_eq!(gap(vec![[1.5, 1.75], [0.5, 1.25], [1.5, 1.625]]), 0.25);
+        assert_eq!(gap(vec![[1.125, 1.5]]), 0.5);
+        assert_eq!(gap(vec![[1.5, 2.25], [0.875, 1.5]]), 0.0);
+    }
+
+    #[test]
+    fn an_arch_ends_where_a_body_could_pass() {
+        let found = |gaps: &[f64]| arch(&slices(gaps), &OPENING, 0.2);
+        assert_eq!(found(&[]), (0.0, None));
+        // two bodies at the sides of a wide opening
+        assert_eq!(found(&[0.8, 0.9]), (0.0, None));
+        assert_eq!(found(&[0.2]), (0.0, None), "as wide as a body");
+        assert_eq!(found(&[0.1, 0.19, 0.5]), (0.2, Some(1.0)));
+        // a hole below a slice that is closed is behind other bodies
+        assert_eq!(found(&[0.0, 0.5, 0.1]), (0.3, Some(2.0)));
     }
 }
