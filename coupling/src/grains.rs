@@ -393,19 +393,15 @@ impl AveragedGrains {
                 }
             });
         fluid.leave_grains_their_share();
-        let is_pushed = |forces: &OnWater| forces != &OnWater::default();
         let given = self.on_water.iter().enumerate();
-        fluid.add_forces(
-            given
-                .filter(|(_, forces)| is_pushed(forces))
-                .map(|(a, forces)| {
-                    let [added, drag] = vectors(forces);
-                    ParticleForce {
-                        particle: a as u32,
-                        force: added + drag,
-                    }
-                }),
-        );
+        let pushed = given.filter(|(_, forces)| **forces != OnWater::default());
+        fluid.add_forces(pushed.map(|(a, forces)| {
+            let [added, drag] = vectors(forces);
+            ParticleForce {
+                particle: a as u32,
+                force: added + drag,
+            }
+        }));
     }
 
     /// Kinetic energy of the water that is accelerated with the grains; J.
@@ -527,30 +523,18 @@ impl Seen {
 
     /// All of them, the volume at the end.
     fn quantities(&self) -> [f64; SEEN] {
-        let [u, p, s, a] = [
-            self.velocity,
-            self.pressure,
-            self.viscous,
-            self.acceleration,
+        let vectors = [
+            &self.velocity,
+            &self.pressure,
+            &self.viscous,
+            &self.acceleration,
         ];
-        let (solid, inverse_mass) = (self.solid, self.inverse_mass);
-        [
-            u.x,
-            u.y,
-            u.z,
-            p.x,
-            p.y,
-            p.z,
-            s.x,
-            s.y,
-            s.z,
-            a.x,
-            a.y,
-            a.z,
-            solid,
-            inverse_mass,
-            self.volume,
-        ]
+        let mut all = [0.0; SEEN];
+        for (three, vector) in all.chunks_exact_mut(3).zip(vectors) {
+            three.copy_from_slice(vector.as_slice());
+        }
+        all[12..].copy_from_slice(&[self.solid, self.inverse_mass, self.volume]);
+        all
     }
 
     fn from_quantities(of: [f64; SEEN]) -> Self {
