@@ -100,20 +100,14 @@ impl Nearby {
         self.n = n;
     }
 
-    /// Finds the kernel of each, as the sum over the grain and its images at some places from it; m.
-    pub(super) fn find_kernel(&mut self, images: impl Iterator<Item = Vec3>, kernel: &Wendland) {
-        let arch = Arch::new();
-        arch.dispatch(OfGrain {
+    /// Finds the kernel of each, as the sum over a grain at `x` (m) and its images (m).
+    pub(super) fn find_kernel(&mut self, x: &Vec3, images: &[Vec3], kernel: &Wendland) {
+        Arch::new().dispatch(FindKernel {
             nearby: self,
+            x,
+            images,
             kernel,
         });
-        for image in images {
-            arch.dispatch(AddImage {
-                nearby: self,
-                image: [image.x, image.y, image.z].map(|x| x as f32),
-                kernel,
-            });
-        }
     }
 }
 
@@ -184,13 +178,15 @@ impl<P: Packing> NullaryFnOnce for Keep<'_, P> {
     }
 }
 
-/// Kernels of the grain itself, by squared distances.
-struct OfGrain<'a> {
+/// Task of [`Nearby::find_kernel`].
+struct FindKernel<'a> {
     nearby: &'a mut Nearby,
+    x: &'a Vec3,
+    images: &'a [Vec3],
     kernel: &'a Wendland,
 }
 
-impl NullaryFnOnce for OfGrain<'_> {
+impl NullaryFnOnce for FindKernel<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -198,33 +194,18 @@ impl NullaryFnOnce for OfGrain<'_> {
         let Nearby {
             n, kernel, places, ..
         } = self.nearby;
-        for (value, &square) in kernel[..*n].iter_mut().zip(&places[3]) {
+        let values = &mut kernel[..*n];
+        let [x, y, z, squares] = &*places;
+        for (value, &square) in values.iter_mut().zip(squares) {
             *value = self.kernel.value(square);
         }
-    }
-}
-
-/// Kernels of an image, added.
-struct AddImage<'a> {
-    nearby: &'a mut Nearby,
-    /// m.
-    image: [f32; 3],
-    kernel: &'a Wendland,
-}
-
-impl NullaryFnOnce for AddImage<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Nearby {
-            n, kernel, places, ..
-        } = self.nearby;
-        let [x, y, z, _] = &*places;
-        let offsets = x.iter().zip(y).zip(z);
-        for (value, ((x, y), z)) in kernel[..*n].iter_mut().zip(offsets) {
-            let [dx, dy, dz] = [x - self.image[0], y - self.image[1], z - self.image[2]];
-            *value += self.kernel.value(dx * dx + dy * dy + dz * dz);
+        for image in self.images {
+            let image = image - self.x;
+            let [ix, iy, iz] = [image.x as f32, image.y as f32, image.z as f32];
+            for (((value, x), y), z) in values.iter_mut().zip(x).zip(y).zip(z) {
+                let [dx, dy, dz] = [x - ix, y - iy, z - iz];
+                *value += self.kernel.value(dx * dx + dy * dy + dz * dz);
+            }
         }
     }
 }

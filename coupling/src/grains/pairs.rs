@@ -234,8 +234,7 @@ impl Chunk {
         if view.may_hide(&centroid, nearby.offsets(), OFFSET_ERROR * reach) {
             nearby.retain(|offset| view.sees(blocks, &centroid, &(centroid + offset)));
         }
-        let images = view.images()[1..].iter().map(|image| image - centroid);
-        nearby.find_kernel(images, &kernel);
+        nearby.find_kernel(&centroid, &view.images()[1..], &kernel);
         self.pairs.extend(nearby.pairs());
         let list = &mut self.pairs[first..];
         // out of order is only what was found across the sides of a narrow period
