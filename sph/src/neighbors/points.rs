@@ -12,8 +12,13 @@ use crate::neighbors::rest::Still;
 use crate::simd::lanes::{FILTER_WIDTH, Place, RECORD, Record};
 use crate::{CHUNK, Vec3};
 
-/// Quanta per support radius, at least; `f32` keeps differences up to twice as many exactly.
+/// Quanta per support radius, at least, in domains that are not too long for them; `f32` keeps differences up to twice as
+/// many exactly.
 const QUANTA_PER_RADIUS: f64 = (1 << 22) as f64;
+/// Quanta of a periodic direction, at most: a place in it is its quanta, not only the difference of two.
+const QUANTA_PER_PERIOD: f64 = (1_u64 << 31) as f64;
+/// The same where nothing is periodic, less a margin for points outside; 508 support radii are as fine as shorter domains.
+const QUANTA_PER_EXTENT: f64 = QUANTA_PER_PERIOD - 4.0 * QUANTA_PER_RADIUS;
 
 /// Turns positions into quanta.
 #[derive(Clone, Copy, Debug)]
@@ -32,9 +37,9 @@ impl Frame {
             if grid.periodic()[axis] {
                 // a power of two of quanta in a period, at least as fine as elsewhere
                 let whole = extent[axis] / support_radius * QUANTA_PER_RADIUS;
-                extent[axis] / whole.log2().ceil().exp2()
+                extent[axis] / whole.log2().ceil().exp2().min(QUANTA_PER_PERIOD)
             } else {
-                support_radius / QUANTA_PER_RADIUS
+                (support_radius / QUANTA_PER_RADIUS).max(extent[axis] / QUANTA_PER_EXTENT)
             }
         });
         Self {
@@ -196,5 +201,39 @@ impl<R: Record + Default> Points<R> {
     /// Index of the record that adds nothing.
     pub(crate) fn nothing(&self) -> u32 {
         self.records.len() as u32 - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FluidError;
+
+    #[test]
+    fn quanta_are_places_in_domains_of_any_length() -> Result<(), FluidError> {
+        let support = 0.04;
+        for radii in [500.0, 600.0, 1100.0, 5000.0] {
+            for periodic in [false, true] {
+                let max = Vec3::new(radii * support, 0.2, 0.2);
+                let domain = (Vec3::zeros(), max);
+                let grid =
+                    CellGrid::new(domain, [periodic, false, false], (support, 0.0), 1 << 20)?;
+                let frame = Frame::new(&grid, support);
+                for share in [0.0, 0.3, 0.505, 0.6, 0.99, 1.0 - 1e-9] {
+                    let x = share * max;
+                    let off = frame.position(frame.place(&x).quanta) - x;
+                    // a place is rounded to its quantum, which is below a hundred-thousandth of the support
+                    let quantum = frame.quantum()[0];
+                    assert!(quantum < 1e-5 * support, "{radii}: {quantum}");
+                    assert!(
+                        off.x.abs() <= quantum,
+                        "{radii} radii, periodic {periodic}: {} m is taken for {} m",
+                        x.x,
+                        x.x + off.x
+                    );
+                }
+            }
+        }
+        Ok(())
     }
 }
