@@ -5,15 +5,17 @@
 
 Rows are still_tank, piston_05, piston_1, piston_2, solitary, dam_break, dam_break_pressure and dam_break_wall, each the case of
 that name in cases/ (kd of the piston after its name) with its source; standing_3, standing_5, standing_10 and wave_train are cases
-of benches/trade/cases, the former 3, 5 and 10 spacings high. Prints `row | required | Standard | ...` with errors and CPU seconds.
-`Artificial` is the default of old: artificial viscosity, half the step, ten times the fastest flow. `Rough` and `NoSlip` are the
-default with smooth walls by the law of the wall and with walls where the water sticks.
+of benches/trade/cases, the former 3, 5 and 10 spacings high, the latter 5 and, as wave_train_10, 10. Prints
+`row | required | Standard | ...` with errors and CPU seconds. `Artificial` is the default of old: artificial viscosity, half the
+step, ten times the fastest flow. `Rough` and `NoSlip` are the default with smooth walls by the law of the wall and with walls where
+the water sticks.
 
 Definitions. Pressure and speed in the still tank: root mean square over the gauges and of all particles after 8 s, over rho g H
 and sqrt(g H). Height of the piston's waves: mean of sines fitted from x = 2.5 to 8 m, over linear theory; length: from the slope of
 their phases. Standing wave: share of the height left in the eighth period, and phase after it against linear theory, where a wave
 that keeps its height lags by 0.62 rad in deep water. Wave train: decay per wave length from sines fitted to four periods, 2 to 10
-lengths away from the piston, once four periods of full height have passed. Solitary wave: celerity from the times of crests at
+lengths away from the piston, once four periods of full height have passed; beside it that of a potential flow, where `potential.py`
+left its record in the folder of the run. Solitary wave: celerity from the times of crests at
 x = 8 to 24 m, loss between crests there, run-up at the wall over twice the last crest and its second-order term. Pressures: arrival
 is the first sample above 0.1 rho g H, plateau and ringing are mean and standard deviation in a window, the second peak is a mean
 over 50 ms.
@@ -43,9 +45,9 @@ PISTON = "Sinusoid(direction: (1, 0, 0), amplitude: {0}, period: {1}, ramp: {2})
 FRONT = '[Front(name: "front", from: (0, 0.005), to: (0.44, 0.005))]'
 
 
-def gauge(run, name):
+def gauge(run, name, table="gauges.csv"):
     """Times and readings, without empty ones."""
-    time, value = np.array(run.column("gauges.csv", "time")), np.array(run.column("gauges.csv", f"{name} ["))
+    time, value = np.array(run.column(table, "time")), np.array(run.column(table, f"{name} ["))
     return time[~np.isnan(value)], value[~np.isnan(value)]
 
 
@@ -102,12 +104,12 @@ def standing(run):
     return f"{2 * np.hypot(a, b) / 0.19961:.2f} left, {phase:+.2f} rad"
 
 
-def wave_train(run):
-    """Decay of regular waves on their way."""
+def train(record):
+    """Decay of regular waves on their way, from records of the surface by name."""
     period, speed, ramp = 1.4447, 1.247, 2.9
     heights = []
     for k in range(2, 11):
-        time, level = gauge(run, f"{k} lengths")
+        time, level = record(f"{k} lengths")
         end = min(time[-1], k * np.pi / speed + ramp + 8 * period)
         chosen = (end - 4 * period < time) & (time <= end)
         t = 2 * np.pi / period * time[chosen]
@@ -115,6 +117,14 @@ def wave_train(run):
         heights.append(2 * np.hypot(a, b))
     rate = -np.polyfit(range(2, 11), np.log(heights), 1)[0]
     return f"{100 * (1 - np.exp(-rate)):.1f} % a length, {heights[0] / 0.2:.2f} of the height at 2 lengths"
+
+
+def wave_train(run):
+    """Decay of regular waves on their way, and that of a potential flow where `potential.py` left one beside the run."""
+    words = train(lambda name: gauge(run, name))
+    if (run.folder / "potential.csv").exists():
+        words += f" (potential flow: {train(lambda name: gauge(run, name, 'potential.csv'))})"
+    return words
 
 
 def solitary(run):
@@ -180,6 +190,7 @@ ROWS = {
     "standing_5": (OF_STUDIES + "standing_wave_high", [], 31.3, standing, "0.92"),
     "standing_10": (OF_STUDIES + "standing_wave_high", ["fluid.resolution=Spacing(0.02)"], 31.3, standing, "0.97"),
     "wave_train": (OF_STUDIES + "wave_train", [], 31.3, wave_train, "1 %"),
+    "wave_train_10": (OF_STUDIES + "wave_train", ["fluid.resolution=Spacing(0.02)"], 31.3, wave_train, "-"),
     "solitary": ("solitary", [], 35.7, solitary, "1, 5, 5 %"),
     "dam_break": ("dam_break", [f"gauges={FRONT}"], 10.6, dam_break, "3 %"),
     "dam_break_pressure": (

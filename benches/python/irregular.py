@@ -9,7 +9,9 @@ start once the slowest components of interest have crossed the flume, and last f
 of the variance, at two, four and six wave lengths. Peak period: that of the mean frequency weighted by the fourth power of the spectral density,
 against the same mean of the spectrum asked for. Reflection: root of the ratio of the energies of both directions between 0.7 and 1.8 peak
 frequencies, by least squares over five gauges around the middle (Zelt & Skjelbreia 1992), with the wave numbers of linear theory. A record
-of n waves scatters about its spectrum, by some 100/sqrt(2 n) percent in height. Finished runs are reused, others resumed.
+of n waves scatters about its spectrum, by some 100/sqrt(2 n) percent in height. The heights of a potential flow driven by the same
+paddle do not: where `potential.py` left its record in the folder of the run, they stand beside. Finished runs are reused, others
+resumed.
 """
 
 import argparse
@@ -98,9 +100,28 @@ def scene(sea, args):
         (name: "flume", shape: Box(min: (0, 0, 0), max: ({sea.length:.6g}, 1, {DEPTH:g})))]),
     time: (duration: {sea.end:.6g}),
     gauges: [{lines}],
-    output: (frame_interval: {sea.end:.6g}, gauge_interval: 0.1, ledger_interval: 5),
+    output: (frame_interval: {sea.end:.6g}, gauge_interval: 0.1, ledger_interval: 0.1),
 )
 """
+
+
+def records(path, sea):
+    """Interval of the samples of a table, s, and its records by gauge from the start of the sea on, without their means; m."""
+    found = columns(path)
+    times = found["time [s]"]
+    kept = [k for k, time in enumerate(times) if sea.start <= time]
+
+    def record(gauge):
+        values = [found[f"{gauge} [m]"][k] for k in kept]
+        mean = math.fsum(values) / len(values)
+        return [value - mean for value in values]
+
+    return (times[kept[-1]] - times[kept[0]]) / (len(kept) - 1), record
+
+
+def significant(record):
+    """Four times the root of the variance; m."""
+    return 4 * math.sqrt(math.fsum(value * value for value in record) / len(record))
 
 
 def transform(record, step, frequencies):
@@ -147,28 +168,22 @@ def main():
     sea = Sea(args)
     name = f"jonswap_{args.spacings:g}_of_{args.rows}_{args.waves}_seed_{args.seed}" + "".join(f"_{one}" for one in args.set)
     folder, summary = run_to_end(args, name, lambda: (scene(sea, args), []))
-    gauges = columns(folder / "gauges.csv")
-    times = gauges["time [s]"]
-    kept = [k for k, time in enumerate(times) if sea.start <= time]
-    step = (times[kept[-1]] - times[kept[0]]) / (len(kept) - 1)
-
-    def record(gauge):
-        values = [gauges[f"{gauge} [m]"][k] for k in kept]
-        mean = math.fsum(values) / len(values)
-        return [value - mean for value in values]
-
+    step, record = records(folder / "gauges.csv", sea)
+    truth = folder / "potential.csv"
+    _, of_theory = records(truth, sea) if truth.exists() else (None, None)
     resolution = 1 / (step * len(kept))
     first, last = (round(x / sea.period / resolution) for x in BAND)
     frequencies = [n * resolution for n in range(first, last + 1)]
     inner = frequencies[SMOOTHING // 2 : len(frequencies) - SMOOTHING // 2]
     asked = weighted(inner, smoothed([shape(f * sea.period) for f in frequencies]))
-    table([["gauge", "significant height over that asked for", "peak period over that asked for"]])
+    theory = ["the same of the potential flow"] if of_theory else []
+    table([["gauge", "significant height over that asked for", *theory, "peak period over that asked for"]])
     for n, place in enumerate(PLACES):
         values = record(f"h{n}")
-        height = 4 * math.sqrt(math.fsum(value * value for value in values) / len(values))
+        heights = [significant(one(f"h{n}")) / sea.height for one in (record, of_theory) if one]
         squares = [abs(c) ** 2 for c in transform(values, step, frequencies)]
         peak = weighted(inner, smoothed(squares))
-        print(f"| {place:g} wave lengths | {height / sea.height:.3f} | {asked / peak:.3f} |")
+        print(f"| {place:g} wave lengths | {' | '.join(f'{height:.3f}' for height in heights)} | {asked / peak:.3f} |")
     places = [place * sea.wave_length for place in ARRAY]
     coefficients = [transform(record(f"a{n}"), step, frequencies) for n in range(len(ARRAY))]
     energies = [0.0, 0.0]
