@@ -14,11 +14,10 @@ Definitions. Pressure and speed in the still tank: root mean square over the gau
 and sqrt(g H). Height of the piston's waves: mean of sines fitted from x = 2.5 to 8 m, over linear theory; length: from the slope of
 their phases. Standing wave: share of the height left in the eighth period, and phase after it against linear theory, where a wave
 that keeps its height lags by 0.62 rad in deep water. Wave train: decay per wave length from sines fitted to four periods, 2 to 10
-lengths away from the piston, once four periods of full height have passed; beside it that of a potential flow, where `potential.py`
-left its record in the folder of the run. Solitary wave: celerity from the times of crests at
+lengths away from the piston, once four periods of full height have passed. Solitary wave: celerity from the times of crests at
 x = 8 to 24 m, loss between crests there, run-up at the wall over twice the last crest and its second-order term. Pressures: arrival
 is the first sample above 0.1 rho g H, plateau and ringing are mean and standard deviation in a window, the second peak is a mean
-over 50 ms.
+over 50 ms. Where `potential.py` left its record in the folder of a run, the same measure of it stands beside.
 """
 
 import json
@@ -45,9 +44,9 @@ PISTON = "Sinusoid(direction: (1, 0, 0), amplitude: {0}, period: {1}, ramp: {2})
 FRONT = '[Front(name: "front", from: (0, 0.005), to: (0.44, 0.005))]'
 
 
-def gauge(run, name, table="gauges.csv"):
+def gauge(run, name):
     """Times and readings, without empty ones."""
-    time, value = np.array(run.column(table, "time")), np.array(run.column(table, f"{name} ["))
+    time, value = np.array(run.column(run.record, "time")), np.array(run.column(run.record, f"{name} ["))
     return time[~np.isnan(value)], value[~np.isnan(value)]
 
 
@@ -104,12 +103,12 @@ def standing(run):
     return f"{2 * np.hypot(a, b) / 0.19961:.2f} left, {phase:+.2f} rad"
 
 
-def train(record):
-    """Decay of regular waves on their way, from records of the surface by name."""
+def wave_train(run):
+    """Decay of regular waves on their way."""
     period, speed, ramp = 1.4447, 1.247, 2.9
     heights = []
     for k in range(2, 11):
-        time, level = record(f"{k} lengths")
+        time, level = gauge(run, f"{k} lengths")
         end = min(time[-1], k * np.pi / speed + ramp + 8 * period)
         chosen = (end - 4 * period < time) & (time <= end)
         t = 2 * np.pi / period * time[chosen]
@@ -117,14 +116,6 @@ def train(record):
         heights.append(2 * np.hypot(a, b))
     rate = -np.polyfit(range(2, 11), np.log(heights), 1)[0]
     return f"{100 * (1 - np.exp(-rate)):.1f} % a length, {heights[0] / 0.2:.2f} of the height at 2 lengths"
-
-
-def wave_train(run):
-    """Decay of regular waves on their way, and that of a potential flow where `potential.py` left one beside the run."""
-    words = train(lambda name: gauge(run, name))
-    if (run.folder / "potential.csv").exists():
-        words += f" (potential flow: {train(lambda name: gauge(run, name, 'potential.csv'))})"
-    return words
 
 
 def solitary(run):
@@ -203,11 +194,22 @@ ROWS = {
 
 
 class Run(shared.Run):
-    """A run folder with its summary."""
+    """A run folder with its summary and the table that gauges are read from."""
+
+    record = "gauges.csv"
 
     def summary(self):
         """Contents of `summary.json`."""
         return json.loads((self.folder / "summary.json").read_text())
+
+
+def words(measure, run):
+    """A measure of a run, and of the potential flow whose record lies beside it."""
+    found = measure(run)
+    if (run.folder / "potential.csv").exists():
+        run.record = "potential.csv"
+        found += f" (potential flow: {measure(run)})"
+    return found
 
 
 def main():
@@ -220,7 +222,7 @@ def main():
         for scheme in args.schemes:
             chosen = [one.format(c10=c10) for one in SCHEMES[scheme]]
             run = shared.run(args, CASES / f"{case}.ron", "Particles", f"{row}_{scheme}", [*settings, *chosen])
-            cells.append(f"{measure(Run(run.folder))}; {run.cpu:.0f} s" if run else "")
+            cells.append(f"{words(measure, Run(run.folder))}; {run.cpu:.0f} s" if run else "")
         table.append(cells)
     shared.table(table)
 

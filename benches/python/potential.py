@@ -3,10 +3,10 @@
 
     python3 benches/python/potential.py RUN --depth 1 --length 38 --layer 31.8 [--until 40.4] [--from 20]
 
-Needs numpy and scipy, and shares no code with riprap. RUN is the folder of a run whose piston starts at x = 0 and whose
-`output.ledger_interval` records it at least twenty times in a period; as the motion does not depend on the water (unless the paddle
-absorbs), a run at a coarse spacing will do. Gauges are those of the run's case. Writes `potential.csv`, with the columns of
-`gauges.csv`, into the folder. Prints per gauge the mean level above still water and four standard deviations from `--from` on.
+Needs numpy and scipy, and shares no code with riprap. RUN is the folder of a run whose piston starts at x = 0 and is written at
+least twenty times in a period (`output.ledger_interval`); as its motion does not depend on the water (unless it absorbs), a run at a
+coarse spacing will do. Gauges are those of the run's case. Writes `potential.csv`, with the columns of `gauges.csv`, into the folder.
+Prints per gauge the mean level above still water and four standard deviations from `--from` on.
 
 Method: surface elevation and potential at the surface (Zakharov 1968), vertical velocities by an expansion about the still level to
 `--order` (West et al. 1987), cosines along the flume up to waves of `--shortest` depths, Runge-Kutta of fourth order. The piston
