@@ -20,9 +20,14 @@ const STILL: f64 = 1e-5;
 /// Energy unexplained, introduced at walls or lost, over what is stored, below which water at rest is taken to be so: that by which its
 /// level is known to 0.005 %.
 const AT_REST: f64 = 1e-4;
-/// Share of the height that standing waves of some spacings keep over eight periods with the default, in a plane and in space
-/// (smoothing length 1.3 times the spacing); measured, `benches/RESULTS.md`.
-const KEPT: [(f64, f64, f64); 3] = [(10.0, 0.95, 0.61), (5.0, 0.90, 0.52), (3.0, 0.70, 0.45)];
+/// By height in spacings, with the default: loss per wave length of a train of waves in a plane, percent; share of the height that
+/// standing waves keep over eight periods, in a plane and in space (smoothing length 1.3 times the spacing). Measured,
+/// `benches/RESULTS.md`. In a plane standing waves leave most particles on their lattice, which trains do not.
+const KEPT: [(f64, f64, f64, f64); 3] = [
+    (10.0, 1.4, 0.95, 0.61),
+    (5.0, 2.7, 0.90, 0.52),
+    (3.0, 4.3, 0.70, 0.45),
+];
 /// Mach number of a particle above which pressures of impacts are those of sound.
 pub const LARGEST_MACH: f64 = 0.3;
 /// Particles pushed back over those there are, above which bodies close water in, or move too fast for it.
@@ -157,8 +162,8 @@ fn resolution(summary: &Value) -> Finding {
     };
     let kept = KEPT.iter().find(|(height, ..)| *height <= rise);
     let words = match kept {
-        Some((height, plane, space)) => format!(
-            "with the default, standing waves {height:.0} spacings high keep {plane:.2} of their height over eight periods in a plane, {space:.2} in space"
+        Some((height, lost, plane, space)) => format!(
+            "with the default, waves {height:.0} spacings high lose {lost:.1} % of their height per wave length in a plane; standing, they keep {plane:.2} of it over eight periods, {space:.2} in space"
         ),
         None => {
             "a wave below three spacings is an indication only; refine to use its height".to_owned()
@@ -269,7 +274,7 @@ mod tests {
         );
         assert!(
             good[1].contains(
-                "`far`, is 6.0 spacings; with the default, standing waves 5 spacings high keep 0.90"
+                "`far`, is 6.0 spacings; with the default, waves 5 spacings high lose 2.7 % of their height per wave length"
             ),
             "{}",
             good[1]
