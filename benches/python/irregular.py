@@ -171,7 +171,7 @@ def main():
     step, record = records(folder / "gauges.csv", sea)
     truth = folder / "potential.csv"
     _, of_theory = records(truth, sea) if truth.exists() else (None, None)
-    resolution = 1 / (step * len(kept))
+    resolution = 1 / (step * len(record("h0")))
     first, last = (round(x / sea.period / resolution) for x in BAND)
     frequencies = [n * resolution for n in range(first, last + 1)]
     inner = frequencies[SMOOTHING // 2 : len(frequencies) - SMOOTHING // 2]
