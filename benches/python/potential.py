@@ -58,6 +58,7 @@ class Flume:
         self.kept = self.k < highest
         self.tanh = np.tanh(self.k * args.depth)
         reach = np.clip((self.x - args.layer) / (args.length - args.layer), 0, None)
+        # pressure over density and vertical velocity, m/s: strong against the speed of long waves at the end, none at the start
         self.absorption = 2 * math.sqrt(G * args.depth) * reach**2
         self.surface = np.zeros((2, count))
 

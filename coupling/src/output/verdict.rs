@@ -274,7 +274,7 @@ mod tests {
         );
         assert!(
             good[1].contains(
-                "`far`, is 6.0 spacings; with the default, waves 5 spacings high lose 2.7 % of their height per wave length"
+                "`far`, is 6.0 spacings; with the default, waves 5 spacings high lose 2.7 % of their height per wave length in a plane; standing, they keep 0.90"
             ),
             "{}",
             good[1]
