@@ -17,7 +17,8 @@ that keeps its height lags by 0.62 rad in deep water. Wave train: decay per wave
 lengths away from the piston, once four periods of full height have passed. Solitary wave: celerity from the times of crests at
 x = 8 to 24 m, loss between crests there, run-up at the wall over twice the last crest and its second-order term. Pressures: arrival
 is the first sample above 0.1 rho g H, plateau and ringing are mean and standard deviation in a window, the second peak is a mean
-over 50 ms. Where `potential.py` left its record in the folder of a run, the same measure of it stands beside.
+over 50 ms. Where a record of `potential.py` or `dam_potential.py` lies in the folder of a run as `potential.csv`, the same measure of it
+stands beside.
 """
 
 import json
@@ -155,7 +156,7 @@ def impact(depth, name, truth, windows):
         found = t[np.argmax(p > 0.1)]
         flat = p[(window[0] <= t) & (t <= window[1])]
         words = f"arrival {percent(found, arrival)}, plateau {flat.mean():.2f} for {plateau}, ringing {flat.std():.2f}"
-        if second:
+        if second and second[1] <= t[-1]:
             n = max(1, round(0.05 / np.median(np.diff(time))))
             means = np.convolve(p, np.ones(n) / n, "same")
             late = (second[0] <= t) & (t <= second[1])
