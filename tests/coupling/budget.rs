@@ -215,7 +215,6 @@ fn no_preset_is_dominated() {
 
 /// The same of errors in a plane, where both have the same kernel.
 #[test]
-#[ignore = "missed since Standard takes the whole step: 1.02"]
 fn reference_is_more_accurate_than_standard_in_a_plane() {
     let all = settings();
     let [_, error] = over(&all["preset Reference"], &all["preset Standard"]).unwrap();
