@@ -153,5 +153,7 @@ LABORATORY = [
     ("laboratory_falling_block.png", "Falling block", "Height of a block that is dropped into water."),
     ("laboratory_floating_block.png", "Floating block", "Height of a block released on the floor of a tank."),
     ("laboratory_cube.png", "Cube in a dam break", "Position of a cube pushed by a dam break; Canelas et al. (2016)."),
+    ("laboratory_dam_breaks.png", "Dam breaks", "Front on a dry floor; pressures on a wall, means over 0.05 sqrt(H/g), thin. Potential flow has no "
+     "friction, as riprap with free slip; by `benches/python/dam_potential.py`."),
     ("laboratory_heave_sphere.png", "Heave of a sphere", "A sphere released above its floating position."),
 ]

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Dam breaks by fully nonlinear potential flow: the truth without friction beside the laboratory.
 
-    python3 benches/python/dam_potential.py [ROW ...] [--finer 2] [--csv FOLDER]
+    python3 benches/python/dam_potential.py [ROW ...] [--finer 2] [--csv FOLDER] [--runs DIR --plot FILE]
 
 Needs numpy and scipy, and shares no code with riprap. Rows are dam_break, dam_break_pressure and dam_break_wall, each the case of
 that name in cases/, and check; all when left out. Prints for each what `hydraulics.py` measures, over the same laboratory values:
 speed of the front between T = 2.0 and 3.35; arrival, plateau and its standard deviation at the sensor; and what area and energy have
 lost. `--csv` writes the series into FOLDER/ROW.csv, with the columns of `gauges.csv` at its intervals: as `potential.csv` in the folder
-of a run, `hydraulics.py` prints its measures there. `check` compares the pressures at the release and the period of a standing wave
+of a run, `hydraulics.py` prints its measures there. `--plot` draws front and pressures beside the runs that `hydraulics.py` left in
+DIR, and needs matplotlib, too. `check` compares the pressures at the release and the period of a standing wave
 with theory, and the front of a wide dam and the depth where it stood with those of shallow water, 2 sqrt(g H) and 4/9 H (Ritter 1892).
 At a wall nothing holds once the jet has fallen onto the water, at 6.1 sqrt(H/g) in these scenes. `--finer 0.5` gives the same answers
 within 0.2 % in a tenth of the time.
@@ -39,6 +40,9 @@ from scipy.linalg import lu_factor, lu_solve
 G = 9.81
 RHO = 1000.0
 FAR = 20.0
+# width of the means of a run's pressures that are drawn, sqrt(H/g)
+MEAN = 0.05
+NAMES = {"Standard": "free slip", "Rough": "smooth walls by the law of the wall"}
 # width, depth and tank in m; sensors by their heights in m; end in sqrt(H/g); interval of gauges in s
 SCENES = {
     "dam_break": SimpleNamespace(width=0.05715, depth=0.1143, tank=None, sensors={}, until=1.75, interval=0.002),
@@ -256,6 +260,46 @@ def written(path, scene, times, values):
         writer.writerows([f"{t:.4f}", *(f"{value:.6g}" for value in row)] for t, row in zip(times, values))
 
 
+def recorded(folder):
+    """Columns of the gauges of a run by name; s, m, Pa."""
+    with open(folder / "gauges.csv", newline="") as file:
+        rows = list(csv.reader(file))
+    values = np.array([[float(value or "nan") for value in row] for row in rows[1:]])
+    return {name.split(" [")[0]: column for name, column in zip(rows[0], values.T)}
+
+
+def drawn(path, runs, series):
+    """Front over the floor, and pressures on the wall averaged over `MEAN`, beside runs with and without friction."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, len(series), figsize=(6 * len(series), 4.5), squeeze=False, layout="constrained")
+    for axis, (row, (times, values)) in zip(axes[0], series.items()):
+        scene = SCENES[row]
+        unit = math.sqrt(scene.depth / G)
+        beside = [(name, style, runs / f"{row}_{name}_W2") for name, style in (("Standard", "-"), ("Rough", ":"))]
+        beside = [(name, style, recorded(folder)) for name, style, folder in beside if folder.exists()]
+        if not scene.sensors:
+            axis.plot(times / unit, values[:, 0] / scene.width, "k", lw=2.5, alpha=0.5, label="potential flow")
+            for name, style, run in beside:
+                axis.plot(run["time"] / unit, run["front"] / scene.width, f"C0{style}", label=f"riprap, {NAMES[name]}")
+            axis.plot(np.array([0.1079, 0.1808]) / unit, [2.29, 4.13], "ks", label="Martin & Moyce (1952)")
+            axis.set(title=row, xlabel="t sqrt(g/H)", ylabel="front / width of the column", xlim=(0, times[-1] / unit), ylim=(0.9, 5))
+        for k, sensor in enumerate(scene.sensors):
+            axis.plot(times / unit, values[:, 3 + k] / (RHO * G * scene.depth), f"C{k}", lw=2.5, alpha=0.5, label=f"{sensor}, potential flow")
+            for name, style, run in beside[:1]:
+                n = max(1, round(MEAN * unit / scene.interval))
+                means = np.convolve(run[sensor], np.ones(n) / n, "same") / (RHO * G * scene.depth)
+                axis.plot(run["time"] / unit, means, f"C{k}{style}", lw=0.7)
+        if scene.sensors:
+            axis.set(title=row, xlabel="t sqrt(g/H)", ylabel="p / (rho g H)", xlim=(2.2, times[-1] / unit), ylim=(-0.5, 2.8))
+        axis.legend(fontsize=8)
+        axis.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
 def front(scene, times, values, args):
     """Measures of `hydraulics.dam_break`: over T, and the speed over that of Martin & Moyce (1952)."""
     words = []
@@ -324,6 +368,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join([*SCENES, 'check'])}; all when left out")
     parser.add_argument("--csv", type=Path, help="folder of the series")
+    parser.add_argument("--runs", type=Path, default=Path("runs/benches"), help="folder of the runs to draw")
+    parser.add_argument("--plot", type=Path, help="file of the plot")
     parser.add_argument("--until", type=float, help="end, sqrt(H/g); that of the measure when left out")
     parser.add_argument("--finer", type=float, default=1.0, help="divides sizes of chords and steps by this")
     parser.add_argument("--coarse", type=float, default=0.02, help="longest chord, H")
@@ -343,6 +389,7 @@ def main():
     unknown = [row for row in args.rows if row not in [*SCENES, "check"]]
     if unknown:
         parser.error(f"no row {', '.join(unknown)}")
+    series = {}
     for row in args.rows or [*SCENES, "check"]:
         started = time.process_time()
         if row == "check":
@@ -350,7 +397,7 @@ def main():
             continue
         scene = SCENES[row]
         water, rows = simulated(scene, args)
-        times, values = resampled(scene, rows)
+        series[row] = times, values = resampled(scene, rows)
         measured = (impact if scene.tank else front)(scene, times, values, args)
         area, energy = water.balance() / water.first - 1
         print(f"{row}: {measured}; area {area:+.1e}, energy {energy:+.1e}; {len(water.place)} nodes, {len(rows)} steps, "
@@ -358,6 +405,8 @@ def main():
         if args.csv:
             args.csv.mkdir(parents=True, exist_ok=True)
             written(args.csv / f"{row}.csv", scene, times, values)
+    if args.plot and series:
+        drawn(args.plot, args.runs, series)
 
 
 if __name__ == "__main__":
