@@ -288,7 +288,8 @@ def drawn(path, runs, series):
             axis.plot(np.array([0.1079, 0.1808]) / unit, [2.29, 4.13], "ks", label="Martin & Moyce (1952)")
             axis.set(title=row, xlabel="t sqrt(g/H)", ylabel="front / width of the column", xlim=(0, times[-1] / unit), ylim=(0.9, 5))
         for k, sensor in enumerate(scene.sensors):
-            axis.plot(times / unit, values[:, 3 + k] / (RHO * G * scene.depth), f"C{k}", lw=2.5, alpha=0.5, label=f"{sensor}, potential flow")
+            axis.plot(times / unit, values[:, 3 + k] / (RHO * G * scene.depth), f"C{k}", lw=2.5, alpha=0.5,
+                      label=f"{sensor}, potential flow")
             for name, style, run in beside[:1]:
                 n = max(1, round(MEAN * unit / scene.interval))
                 means = np.convolve(run[sensor], np.ones(n) / n, "same") / (RHO * G * scene.depth)
