@@ -33,12 +33,16 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.linalg import lu_factor, lu_solve
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import numpy as np  # noqa: E402
+from hydraulics import FRONT_SPEED, FRONT_TIMES, IMPACTS  # noqa: E402
+from rows import columns  # noqa: E402
+from scipy.interpolate import CubicSpline  # noqa: E402
+from scipy.linalg import lu_factor, lu_solve  # noqa: E402
 
 G = 9.81
 RHO = 1000.0
+# wall that no tongue reaches, H
 FAR = 20.0
 # width of the means of a run's pressures that are drawn, sqrt(H/g)
 MEAN = 0.05
@@ -48,11 +52,11 @@ SCENES = {
     "dam_break": SimpleNamespace(width=0.05715, depth=0.1143, tank=None, sensors={}, until=1.75, interval=0.002),
     "dam_break_pressure": SimpleNamespace(
         width=0.6, depth=0.3, tank=1.61, sensors={"p1": 0.003, "p2": 0.015, "p3": 0.03, "p4": 0.08}, until=4.52, interval=0.0005,
-        measured="p2", arrival=2.4, plateau=0.60, window=(3.5, 4.5),
+        laboratory=IMPACTS["dam_break_pressure"],
     ),
     "dam_break_wall": SimpleNamespace(
         width=1.2, depth=0.6, tank=3.22, sensors={"p120": 0.12, "p130": 0.13, "p160": 0.16, "p190": 0.19}, until=5.22, interval=0.001,
-        measured="p120", arrival=2.5, plateau=0.545, window=(3.2, 5.2),
+        laboratory=IMPACTS["dam_break_wall"],
     ),
 }
 
@@ -260,14 +264,6 @@ def written(path, scene, times, values):
         writer.writerows([f"{t:.4f}", *(f"{value:.6g}" for value in row)] for t, row in zip(times, values))
 
 
-def recorded(folder):
-    """Columns of the gauges of a run by name; s, m, Pa."""
-    with open(folder / "gauges.csv", newline="") as file:
-        rows = list(csv.reader(file))
-    values = np.array([[float(value or "nan") for value in row] for row in rows[1:]])
-    return {name.split(" [")[0]: column for name, column in zip(rows[0], values.T)}
-
-
 def drawn(path, runs, series):
     """Front over the floor, and pressures on the wall averaged over `MEAN`, beside runs with and without friction."""
     import matplotlib
@@ -280,20 +276,21 @@ def drawn(path, runs, series):
         scene = SCENES[row]
         unit = math.sqrt(scene.depth / G)
         beside = [(name, style, runs / f"{row}_{name}_W2") for name, style in (("Standard", "-"), ("Rough", ":"))]
-        beside = [(name, style, recorded(folder)) for name, style, folder in beside if folder.exists()]
+        beside = [(name, style, columns(folder / "gauges.csv")) for name, style, folder in beside if folder.exists()]
         if not scene.sensors:
             axis.plot(times / unit, values[:, 0] / scene.width, "k", lw=2.5, alpha=0.5, label="potential flow")
             for name, style, run in beside:
-                axis.plot(run["time"] / unit, run["front"] / scene.width, f"C0{style}", label=f"riprap, {NAMES[name]}")
-            axis.plot(np.array([0.1079, 0.1808]) / unit, [2.29, 4.13], "ks", label="Martin & Moyce (1952)")
+                reach = np.array(run["front [m]"]) / scene.width
+                axis.plot(np.array(run["time [s]"]) / unit, reach, f"C0{style}", label=f"riprap, {NAMES[name]}")
+            axis.plot(np.array(FRONT_TIMES) / unit, [2.29, 4.13], "ks", label="Martin & Moyce (1952)")
             axis.set(title=row, xlabel="t sqrt(g/H)", ylabel="front / width of the column", xlim=(0, times[-1] / unit), ylim=(0.9, 5))
         for k, sensor in enumerate(scene.sensors):
             axis.plot(times / unit, values[:, 3 + k] / (RHO * G * scene.depth), f"C{k}", lw=2.5, alpha=0.5,
                       label=f"{sensor}, potential flow")
             for name, style, run in beside[:1]:
                 n = max(1, round(MEAN * unit / scene.interval))
-                means = np.convolve(run[sensor], np.ones(n) / n, "same") / (RHO * G * scene.depth)
-                axis.plot(run["time"] / unit, means, f"C{k}{style}", lw=0.7)
+                means = np.convolve(run[f"{sensor} [Pa]"], np.ones(n) / n, "same") / (RHO * G * scene.depth)
+                axis.plot(np.array(run["time [s]"]) / unit, means, f"C{k}{style}", lw=0.7)
         if scene.sensors:
             axis.set(title=row, xlabel="t sqrt(g/H)", ylabel="p / (rho g H)", xlim=(2.2, times[-1] / unit), ylim=(-0.5, 2.8))
         axis.legend(fontsize=8)
@@ -305,22 +302,23 @@ def front(scene, times, values, args):
     """Measures of `hydraulics.dam_break`: over T, and the speed over that of Martin & Moyce (1952)."""
     words = []
     for name, place in (("tip", values[:, 0]), (f"{args.thickness:g} H thick", values[:, 1])):
-        first, last = np.interp([0.1079, 0.1808], times, place)
-        speed = (last - first) / 0.0729
-        words.append(f"{name}: Z {first / scene.width:.3f}, {last / scene.width:.3f}, speed {100 * (speed / 1.443 - 1):+.2f} %")
+        first, last = np.interp(FRONT_TIMES, times, place)
+        speed = (last - first) / (FRONT_TIMES[1] - FRONT_TIMES[0])
+        words.append(f"{name}: Z {first / scene.width:.3f}, {last / scene.width:.3f}, speed {100 * (speed / FRONT_SPEED - 1):+.2f} %")
     return "; ".join(words)
 
 
 def impact(scene, times, values, args):
     """Measures of `hydraulics.impact`, and means in the window at all sensors."""
     t, p = times * math.sqrt(G / scene.depth), values[:, 3:] / (RHO * G * scene.depth)
-    window = (scene.window[0] <= t) & (t <= scene.window[1])
-    here = p[:, list(scene.sensors).index(scene.measured)]
+    _, sensor, (arrival, plateau), (flat, _) = scene.laboratory
+    window = (flat[0] <= t) & (t <= flat[1])
+    here = p[:, list(scene.sensors).index(sensor)]
     found = t[np.argmax(here > 0.1)]
     means = ", ".join(f"{name} {mean:.3f}" for name, mean in zip(scene.sensors, p[window].mean(axis=0)))
     return (
-        f"{scene.measured} arrival {found:.3f}, {100 * (found / scene.arrival - 1):+.2f} %, highest {here.max():.2f} at "
-        f"{t[here.argmax()]:.2f}, plateau {here[window].mean():.3f} for {scene.plateau}, ringing {here[window].std():.3f} up to "
+        f"{sensor} arrival {found:.3f}, {100 * (found / arrival - 1):+.2f} %, highest {here.max():.2f} at "
+        f"{t[here.argmax()]:.2f}, plateau {here[window].mean():.3f} for {plateau}, ringing {here[window].std():.3f} up to "
         f"{t[window][-1]:.2f}; means {means}; {values[-1, 2] / scene.depth:.2f} H up the wall"
     )
 

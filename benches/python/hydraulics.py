@@ -43,6 +43,13 @@ SCHEMES = {
 }
 PISTON = "Sinusoid(direction: (1, 0, 0), amplitude: {0}, period: {1}, ramp: {2})"
 FRONT = '[Front(name: "front", from: (0, 0.005), to: (0.44, 0.005))]'
+# speed in m/s of the front between two times in s: Z = 2.29 at T = 2.0, 4.13 at T = 3.35 (Martin & Moyce 1952)
+FRONT_TIMES, FRONT_SPEED = (0.1079, 0.1808), 1.443
+# depth in m, sensor, arrival over sqrt(H/g) and plateau over rho g H, windows of plateau and second peak over sqrt(H/g)
+IMPACTS = {
+    "dam_break_pressure": (0.3, "p2", (2.4, 0.60), ((3.5, 4.5), None)),
+    "dam_break_wall": (0.6, "p120", (2.5, 0.545), ((3.2, 5.2), (5.3, 7.4))),
+}
 
 
 def gauge(run, name):
@@ -140,10 +147,9 @@ def solitary(run):
 
 
 def dam_break(run):
-    """Speed of the front between Z = 2.29 at T = 2.0 and 4.13 at T = 3.35 (Martin & Moyce 1952)."""
-    time, front = gauge(run, "front")
-    first, last = np.interp([0.1079, 0.1808], time, front)
-    return f"speed {percent((last - first) / 0.0729, 1.443)}"
+    """Speed of the front."""
+    first, last = np.interp(FRONT_TIMES, *gauge(run, "front"))
+    return f"speed {percent((last - first) / (FRONT_TIMES[1] - FRONT_TIMES[0]), FRONT_SPEED)}"
 
 
 def impact(depth, name, truth, windows):
@@ -186,10 +192,10 @@ ROWS = {
     "solitary": ("solitary", [], 35.7, solitary, "1, 5, 5 %"),
     "dam_break": ("dam_break", [f"gauges={FRONT}"], 10.6, dam_break, "3 %"),
     "dam_break_pressure": (
-        "dam_break_pressure", [], 17.2, impact(0.3, "p2", (2.4, 0.60), ((3.5, 4.5), None)), "3 %, in the band of 0.5 to 0.7",
+        "dam_break_pressure", [], 17.2, impact(*IMPACTS["dam_break_pressure"]), "3 %, in the band of 0.5 to 0.7",
     ),
     "dam_break_wall": (
-        "dam_break_wall", [], 24.3, impact(0.6, "p120", (2.5, 0.545), ((3.2, 5.2), (5.3, 7.4))), "3 %, 10 %, 0.89 at 5.84",
+        "dam_break_wall", [], 24.3, impact(*IMPACTS["dam_break_wall"]), "3 %, 10 %, 0.89 at 5.84",
     ),
 }
 
