@@ -14,12 +14,14 @@
 //! They are made from places rounded to quanta, as sums read them: these alone are kept to make lists again.
 //!
 //! Entries are in the order of the sweep, separate for each particle, padded to whole
-//! registers, and numbered within the [`window`] of their chunk: results are the same bits for any number of threads. Neighbors across a periodic
-//! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position.
+//! registers, and numbered within a [`window`] of their chunk: results are the same bits for any number of threads. Neighbors across a periodic
+//! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position. In space, where lists are
+//! long, [`slots`] keep little more than a byte of each.
 //!
 //! Sleeping particles far from all awake ones have empty lists and are skipped in sums.
 
 mod listing;
+mod slots;
 mod window;
 
 use std::ops::Range;
@@ -33,11 +35,12 @@ use crate::neighbors::rest::Rest;
 use crate::neighbors::sweep::{
     BUFFER, FILTER_MARGIN, Occlusion, Receiver, ReceiverChunk, Receivers, Sources, Term,
 };
-use crate::simd::lanes::{Index, Lanes, MOST_LANES, Machine, Task};
+use crate::simd::lanes::{Lanes, MOST_LANES, Machine, Task};
 use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
 use listing::{Listing, Scratch};
-use window::Window;
+use slots::{Register, Slots, WITHIN};
+use window::{Limits, Window};
 
 /// Neighbor lists of the points of a set, or of some of them.
 #[derive(Clone, Debug)]
@@ -51,8 +54,8 @@ pub(crate) struct Lists {
     n_receivers: u64,
     /// Basis of the lists of all particles: their places, and the largest listed distance (m).
     from: (Places, f64),
-    /// Most points of a window.
-    largest_window: usize,
+    /// Most points of windows.
+    limits: Limits,
 }
 
 impl Default for Lists {
@@ -63,7 +66,7 @@ impl Default for Lists {
             generation: 0,
             n_receivers: 0,
             from: (Places::default(), 0.0),
-            largest_window: window::LARGEST,
+            limits: Limits::default(),
         }
     }
 }
@@ -76,9 +79,12 @@ struct ChunkLists {
     /// Those of each receiver, at least one.
     spans: Vec<Span>,
     /// Neighbors of all spans, by their slots in the window of a page.
-    slots: Vec<u16>,
-    /// Almost always one.
+    slots: Slots,
+    /// Whether registers of slots are [short](slots).
+    are_short: bool,
     pages: Vec<Page>,
+    /// Runs of points of all pages.
+    runs: Vec<Range<u32>>,
 }
 
 /// Window of the spans from one on, up to those of the next page.
@@ -93,8 +99,8 @@ struct Page {
 enum PagePoints {
     /// A part of all: spans are padded with one that is far.
     Part(Range<u32>),
-    /// Some runs, to be copied: spans are padded with slot 0, which adds nothing.
-    Runs(Box<[Range<u32>]>),
+    /// Some of the chunk's runs, to be copied: spans are padded with what is between them, which adds nothing.
+    Runs(Range<u32>),
 }
 
 /// Neighbors of a receiver in one kind of list.
@@ -102,8 +108,6 @@ enum PagePoints {
 struct Span {
     /// One past its last register of neighbors.
     end: u32,
-    /// Neighbors in its last register.
-    n_in_last: u8,
     /// Periodic image of the neighbors.
     image: u8,
     /// Planes in which the receiver is mirrored, see [`Image::planes`](crate::neighbors::mirror::Image::planes).
@@ -218,16 +222,11 @@ impl Lists {
     /// Memory held; bytes.
     pub(crate) fn memory(&self) -> usize {
         let of = |c: &ChunkLists| {
-            let n_runs = |page: &Page| match &page.points {
-                PagePoints::Part(_) => 0,
-                PagePoints::Runs(runs) => runs.len(),
-            };
-            let runs: usize = c.pages.iter().map(n_runs).sum();
             size_of::<ChunkLists>()
-                + size_of::<u16>() * c.slots.capacity()
+                + c.slots.memory()
                 + size_of::<Span>() * c.spans.capacity()
                 + size_of::<Page>() * c.pages.capacity()
-                + size_of::<Range<u32>>() * runs
+                + size_of::<Range<u32>>() * c.runs.capacity()
         };
         self.chunks.iter().map(of).sum::<usize>() + self.from.0.memory()
     }
@@ -254,7 +253,7 @@ impl Lists {
                     from,
                     first: chunk * CHUNK,
                     points,
-                    largest: self.largest_window,
+                    limits: self.limits,
                     scratch,
                     lists,
                 });
@@ -302,7 +301,11 @@ impl Lists {
                     out,
                     n_found: &mut n_found,
                 };
-                machine.run(Summing::<L, T, OCCLUDED>(work));
+                if lists.are_short {
+                    machine.run(Summing::<L, T, OCCLUDED, true>(work));
+                } else {
+                    machine.run(Summing::<L, T, OCCLUDED, false>(work));
+                }
                 n_found
             })
             .sum()
@@ -334,7 +337,6 @@ impl Span {
     fn nothing(end: u32) -> Self {
         Self {
             end,
-            n_in_last: 0,
             image: OWN_IMAGE,
             planes: 0,
             is_last: true,
@@ -367,11 +369,11 @@ struct Work<'a, L: Lanes, T: Term<L>> {
     n_found: &'a mut u64,
 }
 
-/// Sums over the lists of a chunk, with or without thin solids: separate code, see
+/// Sums over the lists of a chunk, with or without thin solids and of either kind of registers: separate code, see
 /// [`sweep`](crate::neighbors::sweep::sweep).
-struct Summing<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool>(Work<'a, L, T>);
+struct Summing<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool, const SHORT: bool>(Work<'a, L, T>);
 
-impl<L, T, const OCCLUDED: bool> Task for Summing<'_, L, T, OCCLUDED>
+impl<L, T, const OCCLUDED: bool, const SHORT: bool> Task for Summing<'_, L, T, OCCLUDED, SHORT>
 where
     L: Lanes,
     L::Machine: Machine,
@@ -396,6 +398,7 @@ where
             spans,
             slots,
             pages,
+            runs,
             ..
         } = lists;
         let has_ids = T::READS_IDS || occlusion.is_some();
@@ -415,7 +418,8 @@ where
                 while let Some(page) = pages.next_if(|page| page.first_span as usize <= next) {
                     part = match &page.points {
                         PagePoints::Part(part) => Some(part.start as usize..part.end as usize),
-                        PagePoints::Runs(runs) => {
+                        PagePoints::Runs(of_page) => {
+                            let runs = &runs[of_page.start as usize..of_page.end as usize];
                             window.load(runs, sources.points, has_ids);
                             None
                         }
@@ -426,9 +430,9 @@ where
                     Some(part) => &sources.points.records()[part.clone()],
                     None => window.records(),
                 };
-                let id = |slot: u16| match &part {
-                    Some(part) => (part.start + slot.index()) as u32,
-                    None => window.ids()[slot.index()],
+                let numbers = match &part {
+                    Some(part) => Numbers::From(part.start as u32),
+                    None => Numbers::Listed(window.ids()),
                 };
                 let mut own = own;
                 if 0 < span.planes {
@@ -439,16 +443,15 @@ where
                 }
                 let place = span.seen_from(sources, position);
                 let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
-                let slots = &slots[start..span.end as usize];
+                let registers = slots.of_span::<SHORT>(start..span.end as usize);
                 match occlusion {
                     Some(occlusion) if OCCLUDED && occlusion.may_hide(sources.grid, &place) => {
-                        let padding = (L::WIDTH - usize::from(span.n_in_last)) % L::WIDTH;
-                        let listed = &slots[..slots.len() - padding];
-                        for listed in listed.chunks(BUFFER) {
-                            let listed = listed.iter().map(|&slot| id(slot));
+                        let slots = registers.slots::<L>();
+                        let mut listed = slots.map(|slot| numbers.at(slot)).peekable();
+                        while listed.peek().is_some() {
                             let near = (a, &place, radius2);
                             let into = (&mut kept, &mut shares);
-                            let n = keep(occlusion, sources.grid, near, listed, into);
+                            let n = keep(occlusion, sources.grid, near, &mut listed, into);
                             let found = (&mut kept, &shares, n);
                             receiver.add_all::<_, true>(
                                 term,
@@ -461,21 +464,26 @@ where
                         }
                     }
                     _ => {
-                        let mut near = 0;
-                        let mut ids = [0; MOST_LANES];
-                        for slots in slots.chunks_exact(L::WIDTH) {
-                            let pair = receiver.pair(records, slots);
-                            near = pair.r2.below(support2);
-                            n_found += near.count_ones();
+                        for register in registers.iter::<L>() {
+                            let register = Register::<SHORT>(register);
+                            let pair = if SHORT {
+                                let (lowest, ways) = register.ways();
+                                // without a look whether each way is among them
+                                receiver.pair(&records[lowest..lowest + WITHIN], ways)
+                            } else {
+                                receiver.pair(records, register.slots())
+                            };
+                            if T::COUNTS {
+                                n_found += pair.r2.below(support2).count_ones();
+                            }
+                            let mut ids = [0; MOST_LANES];
                             if T::READS_IDS {
-                                for (number, &slot) in ids.iter_mut().zip(slots) {
-                                    *number = id(slot);
+                                for (lane, number) in ids[..L::WIDTH].iter_mut().enumerate() {
+                                    *number = numbers.at(register.at(lane));
                                 }
                             }
                             term.add(&own, &pair, &ids, &mut sums);
                         }
-                        // padding of the last register adds nothing, and is no neighbor
-                        n_found -= (near >> span.n_in_last).count_ones();
                     }
                 }
                 if 0 < span.planes {
@@ -492,7 +500,24 @@ where
     }
 }
 
-/// Keeps the listed points within the support, by its square (m²), that are visible to receiver `a` from a
+/// Numbers of points by their slots.
+#[derive(Clone, Copy)]
+enum Numbers<'a> {
+    From(u32),
+    Listed(&'a [u32]),
+}
+
+impl Numbers<'_> {
+    #[inline(always)]
+    fn at(&self, slot: usize) -> u32 {
+        match self {
+            Self::From(first) => first + slot as u32,
+            Self::Listed(ids) => ids[slot],
+        }
+    }
+}
+
+/// Keeps the next listed points within the support, by its square (m²), that are visible to receiver `a` from a
 /// position, each with its visible fraction; returns their number.
 #[inline(never)]
 fn keep(
@@ -503,7 +528,9 @@ fn keep(
     (kept, shares): (&mut [u32; BUFFER], &mut [f64; BUFFER]),
 ) -> usize {
     let mut n = 0;
-    for id in listed {
+    // the others fill up registers
+    let points = listed.filter(|&id| (id as usize) < occlusion.positions.len());
+    for id in points.take(BUFFER) {
         if (occlusion.positions[id as usize] - place).norm_squared() < radius2 {
             kept[n] = id;
             n += 1;
@@ -746,7 +773,11 @@ mod tests {
         let mut fluid = cloud(case)?;
         for largest in [300, 40] {
             fluid.lists = Lists {
-                largest_window: largest,
+                limits: Limits {
+                    part: largest,
+                    largest,
+                    groups: 30,
+                },
                 ..Lists::default()
             };
             let (sums, counts) = difference(&mut fluid)?;
@@ -758,7 +789,7 @@ mod tests {
 
     /// A block of 32 x 32 x 32 particles on a cubic lattice, with lists of 113 neighbors within it.
     #[test]
-    fn lists_are_two_bytes_a_neighbor() -> Result<(), FluidError> {
+    fn lists_are_a_byte_and_a_quarter_a_neighbor() -> Result<(), FluidError> {
         let spacing = 0.05;
         let mut fluid = cloud(Case {
             extent: [32.0 * spacing; 3],
@@ -767,6 +798,7 @@ mod tests {
         let mut settings = fluid.settings.clone();
         settings.particle_spacing = [spacing; 3];
         settings.smoothing_length = 1.3 * spacing;
+        settings.scheme.precision = Precision::Single;
         let place = |a: usize| [a % 32, a / 32 % 32, a / 1024].map(|k| (k as f64 + 0.5) * spacing);
         let positions: Vec<Vec3> = (0..32_768).map(|a| Vec3::from(place(a))).collect();
         let start = Start {
@@ -778,17 +810,43 @@ mod tests {
         fluid.refresh();
         fluid.update_rates();
         let n = fluid.particles.len() as f64;
-        let n_listed: usize = (fluid.lists.chunks.iter())
-            .map(|lists| lists.slots.len())
+        assert!(fluid.lists.chunks.iter().all(|lists| lists.are_short));
+        // eight slots in ten bytes
+        let bytes: usize = fluid
+            .lists
+            .chunks
+            .iter()
+            .map(|c| c.slots.bytes().len())
             .sum();
+        let n_listed = 0.8 * bytes as f64 / n;
+        // neighbors, with itself, within 1.1 supports of 2.6 spacings, fewer at the faces, and what fills up registers
+        assert!(85.0 < n_listed && n_listed < 112.0, "{n_listed}");
         let per_particle = fluid.list_memory() as f64 / n;
-        // neighbors, with itself, within 1.1 supports of 2.6 spacings, fewer at the faces
-        assert!(85.0 * n < n_listed as f64, "{n_listed}");
-        // an entry takes 2 bytes and a sixteenth to spare; a span 8 and a half, the place listed from 12, a chunk and its page 2
-        let most = 2.0 * (1.0 + 1.0 / 16.0) * n_listed as f64 / n + 23.0;
+        // an entry takes 1.25 bytes and a sixteenth to spare; a span 8 and a half, the place listed from 12, a chunk, its pages and
+        // runs 6
+        let most = 1.25 * (1.0 + 1.0 / 16.0) * n_listed + 27.0;
         assert!(per_particle < most, "{per_particle} of {most}");
         // and with padding no more than that altogether
-        assert!(per_particle < 240.0, "{per_particle}");
+        assert!(per_particle < 170.0, "{per_particle}");
+        Ok(())
+    }
+
+    /// In a plane rows are few and long: a window is a part of the points, and its slots have two bytes.
+    #[test]
+    fn lists_of_a_plane_read_the_points_themselves() -> Result<(), FluidError> {
+        let mut fluid = cloud(Case {
+            extent: [1.6, 0.21, 1.6],
+            periodic: [false, true, false],
+            ..CLOSED
+        })?;
+        fluid.update_rates();
+        let chunks = &fluid.lists.chunks;
+        let is_part = |page: &Page| matches!(page.points, PagePoints::Part(_));
+        assert!(
+            chunks
+                .iter()
+                .all(|c| !c.are_short && c.pages.iter().all(is_part))
+        );
         Ok(())
     }
 

@@ -46,6 +46,8 @@ pub(crate) trait Term<L: Lanes>: Sync {
     type Out: Send;
     /// Whether [`Self::add`] reads the indices of neighbors.
     const READS_IDS: bool;
+    /// Whether anything reads how many neighbors were found.
+    const COUNTS: bool;
 
     /// Values of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;

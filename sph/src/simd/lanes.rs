@@ -27,6 +27,8 @@ pub(crate) trait Record: Copy + Send + Sync {
     fn pack(place: &Place, values: [f64; 5]) -> Self;
     /// Record without position: additional values of a particle, of which sums use a subset.
     fn of_values(values: [f64; RECORD]) -> Self;
+    /// A place from which no point of a frame is seen, without values.
+    fn far() -> Self;
     /// A value as it is stored.
     fn value(&self, which: usize) -> f64;
     /// Quanta of the place, by those of a position (m).
@@ -53,6 +55,21 @@ pub(crate) struct Single([f32; RECORD]);
 pub(crate) struct Double([f64; RECORD]);
 
 impl Record for Single {
+    #[inline(always)]
+    fn far() -> Self {
+        // half as far from both ends of the longest domain as integers wrap
+        Self([
+            f32::from_bits((-1_i32 << 30) as u32),
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        ])
+    }
+
     fn pack(place: &Place, values: [f64; 5]) -> Self {
         let [x, y, z] = place.quanta.map(|q| f32::from_bits(q as u32));
         let [a, b, c, d, e] = values.map(|v| v as f32);
@@ -75,6 +92,11 @@ impl Record for Single {
 }
 
 impl Record for Double {
+    #[inline(always)]
+    fn far() -> Self {
+        Self([-1e15, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    }
+
     fn pack(place: &Place, values: [f64; 5]) -> Self {
         let [x, y, z] = place.meters;
         let [a, b, c, d, e] = values;
@@ -102,10 +124,18 @@ pub(crate) trait Index: Copy {
     fn index(self) -> usize;
 }
 
-impl Index for u16 {
+impl Index for u8 {
     #[inline(always)]
     fn index(self) -> usize {
         usize::from(self)
+    }
+}
+
+/// 16 bits, the lower half first.
+impl Index for [u8; 2] {
+    #[inline(always)]
+    fn index(self) -> usize {
+        usize::from(u16::from_le_bytes(self))
     }
 }
 

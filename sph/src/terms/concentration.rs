@@ -43,6 +43,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for ConcentrationTerm<L, K> {
     type Sums = (Lanes3<L>, L);
     type Out = Concentration;
     const READS_IDS: bool = false;
+    const COUNTS: bool = false;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}

@@ -63,6 +63,7 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     type Sums = [L; 3];
     type Out = Rate;
     const READS_IDS: bool = D::READS_IDS;
+    const COUNTS: bool = true;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own {

@@ -62,6 +62,7 @@ where
     type Sums = Lanes3<L>;
     type Out = [f64; 3];
     const READS_IDS: bool = V::READS_IDS;
+    const COUNTS: bool = false;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own {

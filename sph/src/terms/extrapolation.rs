@@ -60,6 +60,7 @@ impl<L: Lanes, K: PairKernel<L>, const SLOPED: bool> Term<L> for Extrapolation<L
     type Sums = ExtrapolationSums<L>;
     type Out = Extrapolated;
     const READS_IDS: bool = false;
+    const COUNTS: bool = false;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}

@@ -88,6 +88,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
     type Sums = ([L; 6], Lanes3<L>);
     type Out = [f64; 3];
     const READS_IDS: bool = false;
+    const COUNTS: bool = false;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> L {
@@ -190,6 +191,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Strain<'_, L, K> {
     type Sums = ([L; 6], [Lanes3<L>; 3]);
     type Out = StrainSums;
     const READS_IDS: bool = false;
+    const COUNTS: bool = false;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {

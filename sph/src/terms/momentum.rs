@@ -75,6 +75,7 @@ where
     type Sums = [Lanes3<L>; 2];
     type Out = ForceDensity;
     const READS_IDS: bool = V::READS_IDS;
+    const COUNTS: bool = false;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own {

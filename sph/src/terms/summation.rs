@@ -27,6 +27,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Summation<L, K> {
     type Sums = L;
     type Out = f64;
     const READS_IDS: bool = false;
+    const COUNTS: bool = true;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::window::{Runs, fill_ids};
+use super::slots::{LONGEST_RUN, Slots};
+use super::window::{Limits, Runs, fill_ids};
 use super::{ChunkLists, Page, PagePoints, Span, Surroundings};
 use crate::CHUNK;
 use crate::neighbors::cells::{MAX_RUNS, OWN_IMAGE, Run};
@@ -23,7 +24,7 @@ pub(super) struct Scratch {
     /// Windows of the pages.
     windows: Vec<PageWindow>,
     found: Vec<u32>,
-    slots: Vec<u16>,
+    slots: Slots,
     spans: Vec<Span>,
     /// Points of a window, where water may sleep.
     ids: Vec<u32>,
@@ -41,6 +42,9 @@ struct PageWindow {
     runs: Runs,
     hints: [usize; MAX_RUNS],
 }
+
+/// Runs of candidates of a receiver in a plane, at most.
+const RUNS_IN_PLANE: usize = 3;
 
 /// No candidates.
 const NONE: Range<u32> = Range {
@@ -61,11 +65,11 @@ impl Default for PageWindow {
 }
 
 impl PageWindow {
-    /// Starts over at a group, with the memory that there is.
-    fn open(&mut self, group: usize) {
+    /// Starts over at a group, with the memory that there is, for a part of the points or for runs.
+    fn open(&mut self, group: usize, part: Option<&Range<u32>>) {
         self.groups = group..group;
-        self.whole = NONE;
-        self.is_part = true;
+        self.whole = part.cloned().unwrap_or(NONE);
+        self.is_part = part.is_some();
         self.runs.clear();
     }
 
@@ -75,26 +79,9 @@ impl PageWindow {
         }
     }
 
-    /// Merges the candidates of its groups.
-    #[inline(never)]
-    fn merge(&mut self, groups: &[Group], candidates: &[Range<u32>]) {
-        self.is_part = false;
-        for g in self.groups.clone() {
-            self.include(&candidates[groups[g].candidates.clone()]);
-        }
-    }
-
-    /// Whether those of another group, too, are more than a window holds.
-    #[inline(never)]
+    /// Whether those of another group, too, may be more than a window holds.
     fn is_full(&self, candidates: &[Range<u32>], largest: usize) -> bool {
-        let most = self.runs.len() + candidates.iter().map(Range::len).sum::<usize>();
-        largest < most && {
-            let (mut with, mut hints) = (self.runs.clone(), self.hints);
-            for (run, hint) in candidates.iter().zip(&mut hints) {
-                with.include(run, hint);
-            }
-            largest < with.len()
-        }
+        largest < self.runs.len() + candidates.iter().map(Range::len).sum::<usize>()
     }
 
     /// Slot of the first point of a run; `hint` as in [`Runs::slot`].
@@ -106,22 +93,21 @@ impl PageWindow {
         }
     }
 
-    /// Its points for sums.
-    fn points(&self) -> PagePoints {
-        match self.is_part {
-            true => PagePoints::Part(self.whole.start.min(self.whole.end)..self.whole.end),
-            false => PagePoints::Runs(self.runs.as_slice().into()),
+    /// Its points for sums; those of its runs go to the others of the chunk.
+    fn points(&self, of_chunk: &mut Vec<Range<u32>>) -> PagePoints {
+        if self.is_part {
+            return PagePoints::Part(self.whole.start.min(self.whole.end)..self.whole.end);
         }
+        let first = of_chunk.len() as u32;
+        of_chunk.extend(self.runs.by_slot());
+        PagePoints::Runs(first..of_chunk.len() as u32)
     }
 }
 
 /// From the first point of some runs to the last.
 fn hull(runs: &[Range<u32>]) -> Range<u32> {
-    (runs.iter().filter(|run| !run.is_empty())).fold(NONE, |a, b| union(&a, b))
-}
-
-fn union(a: &Range<u32>, b: &Range<u32>) -> Range<u32> {
-    a.start.min(b.start)..a.end.max(b.end)
+    (runs.iter().filter(|run| !run.is_empty()))
+        .fold(NONE, |a, b| a.start.min(b.start)..a.end.max(b.end))
 }
 
 /// Candidates of a receiver that are seen from one place.
@@ -135,7 +121,7 @@ struct Group {
     image: u8,
     planes: u8,
     /// Slot that adds nothing.
-    padding: u16,
+    padding: u32,
 }
 
 /// Making the lists of a chunk.
@@ -145,8 +131,7 @@ pub(super) struct Listing<'a, L: Lanes> {
     /// First of the receivers.
     pub first: usize,
     pub points: &'a Places,
-    /// Most points of a window.
-    pub largest: usize,
+    pub limits: Limits,
     pub scratch: &'a mut Scratch,
     pub lists: &'a mut ChunkLists,
 }
@@ -162,13 +147,16 @@ where
             from,
             first,
             points,
-            largest,
+            limits,
             scratch,
             lists,
         } = self;
         let receivers = first..from.receivers.len().min(first + CHUNK);
-        scratch.find_candidates(&from, receivers.clone(), largest);
+        scratch.find_candidates(&from, receivers.clone(), limits.largest);
+        let is_in_space = scratch.find_windows(limits);
         scratch.number(&from, points);
+        let is_near = |window: &PageWindow| window.runs.longest() <= LONGEST_RUN;
+        lists.are_short = is_in_space && scratch.windows.iter().all(is_near);
         let Scratch {
             candidates,
             groups,
@@ -181,6 +169,7 @@ where
         slots.clear();
         spans.clear();
         lists.pages.clear();
+        lists.runs.clear();
         lists.n_receivers = 0;
         let scale = from.frame.quantum().map(|q| q as f32);
         let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
@@ -188,19 +177,22 @@ where
         for k in receivers {
             let a = from.receivers.index(k);
             let rest = from.rests.get(a).copied().unwrap_or_default();
-            let before = (spans.len(), slots.len());
+            let before = (spans.len(), slots.end());
             let mut has_awake = rest != Rest::Beside;
             while let Some(of) = groups.get(group).filter(|of| of.receiver == k) {
                 if lists.pages.is_empty() || windows[page].groups.end <= group {
                     page += usize::from(!lists.pages.is_empty());
-                    let points_of = windows[page].points();
+                    let points_of = windows[page].points(&mut lists.runs);
                     if !from.rests.is_empty() {
                         match &points_of {
                             PagePoints::Part(part) => {
                                 ids.clear();
                                 ids.extend(part.clone());
                             }
-                            PagePoints::Runs(runs) => fill_ids(runs, points.len() as u32, ids),
+                            PagePoints::Runs(of_page) => {
+                                let of_page = of_page.start as usize..of_page.end as usize;
+                                fill_ids(&lists.runs[of_page], points.len() as u32, ids);
+                            }
                         }
                     }
                     lists.pages.push(Page {
@@ -216,13 +208,13 @@ where
                 let (mut n, mut hint) = (0, 0);
                 for run in &candidates[of.candidates.clone()] {
                     let slot = windows[page].slot(run, &mut hint);
-                    hint += 1;
                     let run = run.start as usize..run.end as usize;
                     // the filter writes whole registers
                     let room = n + run.len() + FILTER_WIDTH;
                     if found.len() < room {
                         found.resize(room, 0);
                     }
+                    hint += 1;
                     n = machine.filter(points.columns(), (run, slot), &sphere, found, n);
                 }
                 group += 1;
@@ -233,13 +225,14 @@ where
                     || found[..n].iter().any(|&slot| {
                         from.rests.get(ids[slot as usize] as usize) == Some(&Rest::Awake)
                     });
-                slots.extend(found[..n].iter().map(|&slot| slot as u16));
-                let end = slots.len().next_multiple_of(L::WIDTH);
-                let n_in_last = (L::WIDTH - (end - slots.len())) as u8;
-                slots.resize(end, of.padding);
+                let found = &found[..n];
+                if lists.are_short {
+                    slots.add_short::<L>(found, &windows[page].runs);
+                } else {
+                    slots.add::<L>(found, of.padding);
+                }
                 spans.push(Span {
-                    end: end as u32,
-                    n_in_last,
+                    end: slots.end(),
                     image: of.image,
                     planes: of.planes,
                     is_last: false,
@@ -255,21 +248,20 @@ where
             lists.n_receivers += u64::from(before.0 < spans.len());
             match spans[before.0..].last_mut() {
                 Some(last) => last.is_last = true,
-                None => spans.push(Span::nothing(slots.len() as u32)),
+                None => spans.push(Span::nothing(slots.end())),
             }
         }
-        take(slots, &mut lists.slots);
+        take(slots.bytes(), lists.slots.bytes_mut());
         take(spans, &mut lists.spans);
     }
 }
 
 impl Scratch {
-    /// Finds the candidates of all receivers, group by group, and windows that hold them.
+    /// Finds the candidates of all receivers, group by group: no more in a group than a window holds.
     #[inline(always)]
     fn find_candidates(&mut self, from: &Surroundings, receivers: Range<usize>, largest: usize) {
         self.candidates.clear();
         self.groups.clear();
-        let mut n_windows = 0;
         let mut images = [Image::default(); MOST_IMAGES];
         let mut runs = [Run::default(); MAX_RUNS];
         for k in receivers {
@@ -311,19 +303,57 @@ impl Scratch {
                                 self.candidates.push(run.start..cut);
                             }
                             run.start = cut;
-                            let full = first..self.candidates.len();
-                            self.add_group(group(full), (&mut n_windows, largest));
+                            self.groups.push(group(first..self.candidates.len()));
                             (room, first) = (largest, self.candidates.len());
                         }
                         room -= run.len();
                         self.candidates.push(run);
                     }
-                    let rest = first..self.candidates.len();
-                    self.add_group(group(rest), (&mut n_windows, largest));
+                    self.groups.push(group(first..self.candidates.len()));
                 }
             }
         }
-        self.windows.truncate(n_windows);
+    }
+
+    /// Finds the windows of all groups: one part of the points for receivers with few rows, where it holds all; runs elsewhere. Returns
+    /// whether receivers have many.
+    #[inline(always)]
+    fn find_windows(&mut self, limits: Limits) -> bool {
+        let Self {
+            candidates,
+            groups,
+            windows,
+            ..
+        } = self;
+        let is_in_plane = candidates.len() <= RUNS_IN_PLANE * groups.len();
+        let whole = hull(candidates);
+        let is_part = is_in_plane && whole.end.saturating_sub(whole.start) as usize <= limits.part;
+        let mut n_windows = 0;
+        for (g, group) in groups.iter().enumerate() {
+            let own = &candidates[group.candidates.clone()];
+            let is_new = match windows[..n_windows].last() {
+                None => true,
+                Some(_) if is_part => false,
+                Some(last) => {
+                    let is_long = limits.groups <= g - last.groups.start;
+                    is_long && !is_in_plane || last.is_full(own, limits.largest)
+                }
+            };
+            if is_new {
+                if windows.len() == n_windows {
+                    windows.push(PageWindow::default());
+                }
+                windows[n_windows].open(g, is_part.then_some(&whole));
+                n_windows += 1;
+            }
+            let window = &mut windows[n_windows - 1];
+            if !is_part {
+                window.include(own);
+            }
+            window.groups.end = g + 1;
+        }
+        windows.truncate(n_windows);
+        !is_in_plane
     }
 
     /// Gives the points of all windows their slots, and finds padding for all groups.
@@ -345,7 +375,7 @@ impl Scratch {
                 [whole.start, whole.end.saturating_sub(1)]
                     .into_iter()
                     .find(|&point| whole.contains(&point) && is_far(group, point))
-                    .map(|point| (point - whole.start) as u16)
+                    .map(|point| point - whole.start)
             };
             if window.is_part {
                 for group in &mut self.groups[window.groups.clone()] {
@@ -359,56 +389,17 @@ impl Scratch {
                 }
                 for group in &mut self.groups[window.groups.clone()] {
                     group.padding = 0;
+                    window.include(&self.candidates[group.candidates.clone()]);
                 }
-                window.merge(&self.groups, &self.candidates);
             }
-            window.runs.number();
+            // as receivers meet them, so that what a register holds is near together
+            window.runs.number(|point| {
+                let place = from.frame.position(points.of(point as usize));
+                let [i, j, k] = from.grid.coordinates_of(&place);
+                [j, k, i]
+            });
         }
     }
-
-    /// Adds a group to the present window, or to a new one where that is full.
-    #[inline(always)]
-    fn add_group(&mut self, group: Group, (n_windows, largest): (&mut usize, usize)) {
-        let Self {
-            candidates,
-            groups,
-            windows,
-            ..
-        } = self;
-        let own = &candidates[group.candidates.clone()];
-        let whole = hull(own);
-        if *n_windows == 0 {
-            next_window(windows, n_windows, groups.len());
-        }
-        let mut window = &mut windows[*n_windows - 1];
-        let fits = |window: &PageWindow| {
-            let whole = union(&window.whole, &whole);
-            whole.end.saturating_sub(whole.start) as usize <= largest
-        };
-        if window.is_part && !fits(window) {
-            window.merge(groups, candidates);
-        }
-        if !window.is_part && window.is_full(own, largest) {
-            next_window(windows, n_windows, groups.len());
-            window = &mut windows[*n_windows - 1];
-            window.is_part = fits(window);
-        }
-        if !window.is_part {
-            window.include(own);
-        }
-        window.whole = union(&window.whole, &whole);
-        groups.push(group);
-        window.groups.end = groups.len();
-    }
-}
-
-/// Opens a window that begins with a group.
-fn next_window(windows: &mut Vec<PageWindow>, n_windows: &mut usize, group: usize) {
-    if windows.len() == *n_windows {
-        windows.push(PageWindow::default());
-    }
-    windows[*n_windows].open(group);
-    *n_windows += 1;
 }
 
 /// Copies a column into memory that is kept unless it is much too large.

@@ -1,16 +1,38 @@
-//! Windows: the points that the receivers of a chunk may see, one after the other, so that lists number them in 16 bits.
+//! Windows: the points that some receivers of a chunk may see, one after the other, so that lists number them in 16 bits or in 8.
 //!
-//! The candidates of neighboring receivers are nearly the same few runs of points. Where all of them are within 65,536 points, the
-//! window is that part of the points. Elsewhere, in much water, it holds the runs alone, merged, after a slot 0 that adds
-//! nothing: a sum then copies the records of the window before it reads them, some ten a receiver.
+//! The candidates of neighboring receivers are nearly the same few runs of points. In a plane, where all of them are within 65,536
+//! points, the window is that part of the points. Elsewhere it holds the runs alone, merged, with a slot that adds nothing before
+//! each and at the end: a sum then copies the records of the window before it reads them, some twenty a receiver. In space a window
+//! is for few receivers, so that neighbors that follow each other in a list are [near together](super::slots) in it, and its
+//! records in the first cache.
 
 use std::ops::Range;
 
+use super::slots::WITHIN;
 use crate::neighbors::points::Points;
 use crate::simd::lanes::Record;
 
-/// Points that a window may hold, beside the one that adds nothing.
-pub(super) const LARGEST: usize = u16::MAX as usize;
+/// Most points of windows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Of a part of the points.
+    pub part: usize,
+    /// Of runs.
+    pub largest: usize,
+    /// Groups of candidates of a window in space.
+    pub groups: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            part: usize::from(u16::MAX),
+            // no more runs than points, each with one that adds nothing, are numbered in 16 bits
+            largest: usize::from(u16::MAX / 2),
+            groups: 64,
+        }
+    }
+}
 
 /// Merged runs of points, in order.
 #[derive(Clone, Debug, Default)]
@@ -20,17 +42,23 @@ pub(super) struct Runs {
     n: usize,
     /// First slot of each run, once [`Self::number`] was called.
     slots: Vec<u32>,
+    /// Runs in the order of their slots.
+    order: Vec<u32>,
 }
 
 impl Runs {
     pub(super) fn clear(&mut self) {
         self.runs.clear();
         self.slots.clear();
+        self.order.clear();
         self.n = 0;
     }
 
-    pub(super) fn as_slice(&self) -> &[Range<u32>] {
-        &self.runs
+    /// Runs in the order of their slots.
+    pub(super) fn by_slot(&self) -> impl Iterator<Item = Range<u32>> + '_ {
+        self.order
+            .iter()
+            .map(|&run| self.runs[run as usize].clone())
     }
 
     /// Number of points.
@@ -64,15 +92,36 @@ impl Runs {
         first
     }
 
-    /// Gives every point its slot in a window of the runs alone.
-    pub(super) fn number(&mut self) {
+    /// Gives every point its slot in a window of the runs, in the order of keys of their first points.
+    pub(super) fn number<K: Ord>(&mut self, key: impl Fn(u32) -> K) {
+        let Self {
+            runs, slots, order, ..
+        } = self;
+        order.clear();
+        order.extend((0..runs.len() as u32).filter(|&run| !runs[run as usize].is_empty()));
+        order.sort_by_cached_key(|&run| key(runs[run as usize].start));
+        slots.clear();
+        slots.resize(runs.len(), 0);
         let mut next = 1;
-        self.slots.clear();
-        self.slots.extend(self.runs.iter().map(|run| {
-            let slot = next;
-            next += run.len() as u32;
-            slot
-        }));
+        for &run in order.iter() {
+            slots[run as usize] = next;
+            // and one that adds nothing
+            next += runs[run as usize].len() as u32 + 1;
+        }
+    }
+
+    /// Slots that add nothing before and after the run of a slot.
+    pub(super) fn nothing_beside(&self, slot: u32) -> [u32; 2] {
+        let first = |&run: &u32| self.slots[run as usize];
+        let run = self.order.partition_point(|run| first(run) <= slot) - 1;
+        let run = self.order[run] as usize;
+        let first = self.slots[run];
+        [first - 1, first + self.runs[run].len() as u32]
+    }
+
+    /// Points of the longest run.
+    pub(super) fn longest(&self) -> usize {
+        self.runs.iter().map(Range::len).max().unwrap_or(0)
     }
 
     /// Slot of a point; `hint` as in [`Self::include`].
@@ -105,24 +154,31 @@ impl<R: Record + Default> Window<R> {
     /// Takes over the points of some runs; their numbers too where something reads these.
     #[inline(always)]
     pub(super) fn load(&mut self, runs: &[Range<u32>], points: &Points<R>, has_ids: bool) {
-        self.records.clear();
-        self.records.push(R::default());
+        let n = 1 + runs.iter().map(|run| run.len() + 1).sum::<usize>();
+        if self.records.len() < n + WITHIN {
+            self.records.resize(n + WITHIN, R::default());
+        }
+        self.records[0] = R::far();
+        let mut next = 1;
         for run in runs {
-            let run = run.start as usize..run.end as usize;
-            self.records.extend_from_slice(&points.records()[run]);
+            let end = next + run.len();
+            self.records[next..end]
+                .copy_from_slice(&points.records()[run.start as usize..run.end as usize]);
+            self.records[end] = R::far();
+            next = end + 1;
         }
         if has_ids {
             fill_ids(runs, points.nothing(), &mut self.ids);
         }
     }
 
-    /// Records by slot.
+    /// Records by slot, and after them as many as a short register may reach, which are not read.
     #[inline(always)]
     pub(super) fn records(&self) -> &[R] {
         &self.records
     }
 
-    /// Numbers by slot, that of the point that adds nothing first.
+    /// Numbers by slot.
     #[inline(always)]
     pub(super) fn ids(&self) -> &[u32] {
         &self.ids
@@ -136,6 +192,7 @@ pub(super) fn fill_ids(runs: &[Range<u32>], nothing: u32, ids: &mut Vec<u32>) {
     ids.push(nothing);
     for run in runs {
         ids.extend(run.clone());
+        ids.push(nothing);
     }
 }
 
@@ -150,14 +207,20 @@ mod tests {
         for run in [20..30, 5..8, 40..41, 28..35, 8..10, 21..22, 0..0, 9..20] {
             runs.include(&run, &mut hint);
         }
-        assert_eq!(runs.as_slice(), [0..0, 5..35, 40..41]);
         assert_eq!(runs.len(), 31);
-        runs.number();
+        // the last run first
+        runs.number(std::cmp::Reverse);
+        let by_slot: Vec<_> = runs.by_slot().collect();
+        assert_eq!(by_slot, [40..41, 5..35]);
         let mut ids = Vec::new();
-        fill_ids(runs.as_slice(), 99, &mut ids);
-        assert_eq!((ids.len(), ids[0]), (32, 99));
+        fill_ids(&by_slot, 99, &mut ids);
+        assert_eq!(ids.len(), 34);
         for point in (5..35).chain([40]) {
-            assert_eq!(ids[runs.slot(point, &mut hint) as usize], point);
+            let slot = runs.slot(point, &mut hint);
+            assert_eq!(ids[slot as usize], point);
+            for nothing in runs.nothing_beside(slot) {
+                assert_eq!(ids[nothing as usize], 99);
+            }
         }
     }
 }
