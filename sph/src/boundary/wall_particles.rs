@@ -143,11 +143,24 @@ impl WetPoints {
     }
 }
 
+/// What remains of the sums over the fluid near a point; see [`Extrapolated`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Continued {
+    weight: f64,
+    /// Pa.
+    pressure: f64,
+    /// kg/m².
+    moment: [f64; 3],
+}
+
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     rates: Vec<Rate>,
     forces: Vec<ForceDensity>,
     extrapolated: Vec<Extrapolated>,
+    continued: Vec<Continued>,
+    /// Slopes of the added mass of the points, where they were asked for; see [`Extrapolated::slope`].
+    slopes: Vec<[f64; 3]>,
     concentrations: Vec<Concentration>,
     strains: Vec<StrainSums>,
     drags: Vec<[f64; 3]>,
@@ -454,20 +467,16 @@ impl WallParticles {
 
     /// Particles near points.
     fn near_points(&self, fluid: &Fluid) -> Near<'_> {
-        Near {
-            chosen: &self.nearby_particles,
-            lists: self
-                .valid(fluid)
-                .and_then(|listed| listed.of_particles(fluid)),
-        }
+        let listed = self.valid(fluid);
+        let lists = listed.and_then(|listed| listed.of_particles(fluid));
+        Near::new(&self.nearby_particles, lists)
     }
 
     /// Points near particles that are updated.
     fn near_particles(&self, fluid: &Fluid) -> Near<'_> {
-        Near {
-            chosen: self.wet.updated(),
-            lists: self.valid(fluid).and_then(|listed| listed.of_points(fluid)),
-        }
+        let listed = self.valid(fluid);
+        let lists = listed.and_then(|listed| listed.of_points(fluid));
+        Near::new(self.wet.updated(), lists)
     }
 
     fn valid(&self, fluid: &Fluid) -> Option<&Listed> {
@@ -518,20 +527,19 @@ impl WallParticles {
         self.list_points(fluid);
         self.pack_flow(fluid);
         let mut rates = std::mem::take(&mut self.scratch.rates);
-        rates.resize(self.nearby_particles.len(), Rate::default());
-        wall_sums::rates(
-            fluid,
-            self.neighborhood(fluid),
-            self.near_points(fluid),
-            &mut rates,
-        );
-        for (&a, rate) in self.nearby_particles.iter().zip(&rates) {
-            let sum = &mut fluid.scratch.rates[a as usize];
-            sum.flow += rate.flow;
-            sum.by_walls += rate.flow;
-            sum.n_found += rate.n_found;
-            sum.crowding += rate.crowding;
+        let mut of_particles = std::mem::take(&mut fluid.scratch.rates);
+        for near in self.near_points(fluid).parts() {
+            rates.resize(near.len(), Rate::default());
+            wall_sums::rates(fluid, self.neighborhood(fluid), near, &mut rates);
+            for (&a, rate) in near.chosen().iter().zip(&rates) {
+                let sum = &mut of_particles[a as usize];
+                sum.flow += rate.flow;
+                sum.by_walls += rate.flow;
+                sum.n_found += rate.n_found;
+                sum.crowding += rate.crowding;
+            }
         }
+        fluid.scratch.rates = of_particles;
         self.scratch.rates = rates;
     }
 
@@ -559,44 +567,51 @@ impl WallParticles {
     /// Continues pressure and velocity of the fluid to the points, which move with the accelerations they were
     /// placed with.
     pub fn extrapolate(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, wall_sums::extrapolation::<false>);
+        self.continue_fluid::<false>(fluid);
     }
 
     /// Extrapolates, with the responses for [`Self::visit_added_mass`].
     pub fn extrapolate_with_added_mass(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, wall_sums::extrapolation::<true>);
+        self.continue_fluid::<true>(fluid);
     }
 
-    fn continue_fluid(
-        &mut self,
-        fluid: &Fluid,
-        extrapolation: fn(&Fluid, Places, Near, &mut [Extrapolated]),
-    ) {
+    fn continue_fluid<const SLOPED: bool>(&mut self, fluid: &Fluid) {
         self.list_particles(fluid);
-        let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
-        sums_of_points.resize(self.wet.updated().len(), Extrapolated::default());
-        let places = self.places();
-        extrapolation(
-            fluid,
-            places,
-            self.near_particles(fluid),
-            &mut sums_of_points,
-        );
-        self.scratch.extrapolated = sums_of_points;
-        self.known_at = fluid.changes_of_rest();
-        self.seen_velocity.clear();
-        self.seen_velocity.extend_from_slice(&self.velocity);
+        let mut extrapolated = std::mem::take(&mut self.scratch.extrapolated);
+        let mut continued = std::mem::take(&mut self.scratch.continued);
+        let mut slopes = std::mem::take(&mut self.scratch.slopes);
+        let mut seen_velocity = std::mem::take(&mut self.seen_velocity);
+        continued.clear();
+        slopes.clear();
+        seen_velocity.clear();
+        seen_velocity.extend_from_slice(&self.velocity);
         if self.slip.sticks() {
-            self.seen_velocity
-                .resize(self.position.len(), Vec3::zeros());
-            for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
-                if 0.0 < sum.weight {
-                    let w = w as usize;
-                    self.seen_velocity[w] =
-                        known(&self.velocity, w) * 2.0 - Vec3::from(sum.velocity) / sum.weight;
+            seen_velocity.resize(self.position.len(), Vec3::zeros());
+        }
+        for near in self.near_particles(fluid).parts() {
+            extrapolated.resize(near.len(), Extrapolated::default());
+            wall_sums::extrapolation::<SLOPED>(fluid, self.places(), near, &mut extrapolated);
+            for (&w, sum) in near.chosen().iter().zip(&extrapolated) {
+                let w = w as usize;
+                if self.slip.sticks() && 0.0 < sum.weight {
+                    let beside = Vec3::from(sum.velocity) / sum.weight;
+                    seen_velocity[w] = known(&self.velocity, w) * 2.0 - beside;
+                }
+                continued.push(Continued {
+                    weight: sum.weight,
+                    pressure: sum.pressure,
+                    moment: sum.moment,
+                });
+                if SLOPED {
+                    slopes.push(sum.slope);
                 }
             }
         }
+        self.known_at = fluid.changes_of_rest();
+        self.seen_velocity = seen_velocity;
+        self.scratch.extrapolated = extrapolated;
+        self.scratch.continued = continued;
+        self.scratch.slopes = slopes;
         self.press(fluid);
     }
 
@@ -616,7 +631,7 @@ impl WallParticles {
         if !self.wet.is_partial {
             self.pressure.fill(0.0);
         }
-        for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
+        for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.continued) {
             if sum.weight <= 0.0 {
                 continue;
             }
@@ -648,11 +663,12 @@ impl WallParticles {
         is_chosen: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize, AddedMassResponse),
     ) {
-        for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
+        let of_points = self.scratch.continued.iter().zip(&self.scratch.slopes);
+        for (&w, (sum, &slope)) in self.wet.updated().iter().zip(of_points) {
             let w = w as usize;
             if 0.0 < self.pressure[w] && is_chosen(w) {
                 let lever = Vec3::from(sum.moment) / sum.weight;
-                let slope = Vec3::from(sum.slope) * self.volume[w];
+                let slope = Vec3::from(slope) * self.volume[w];
                 visit(w, AddedMassResponse { lever, slope });
             }
         }
@@ -688,60 +704,35 @@ impl WallParticles {
         self.list_points(fluid);
         self.begin_shear(fluid);
         let mut forces = std::mem::take(&mut self.scratch.forces);
-        forces.resize(self.nearby_particles.len(), ForceDensity::default());
-        wall_sums::forces(
-            fluid,
-            self.neighborhood(fluid),
-            self.near_points(fluid),
-            self.shearing(fluid),
-            &mut forces,
-        );
-        self.scale_shear(fluid, &mut forces);
         let mut total = Vec3::zeros();
-        let particles = &mut fluid.particles;
-        for (&a, force) in self.nearby_particles.iter().zip(&forces) {
-            let a = a as usize;
-            let (by_pressure, by_viscosity) =
-                (Vec3::from(force.pressure), Vec3::from(force.viscous));
-            let both = by_pressure + by_viscosity;
-            particles.acceleration[a] += both / particles.density[a];
-            fluid
-                .scratch
-                .pushes
-                .push((a as u32, by_pressure / particles.density[a]));
-            for (sum, f) in particles.viscous_acceleration[a]
-                .iter_mut()
-                .zip(&by_viscosity)
-            {
-                *sum += (f / particles.density[a]) as f32;
+        if self.slip.is_scaled() {
+            let near = self.near_points(fluid);
+            self.sum_forces(fluid, near, &mut forces);
+            self.scale_shear(fluid, &mut forces);
+            add_all(fluid, (&self.nearby_particles, &forces), &mut total);
+        } else {
+            for near in self.near_points(fluid).parts() {
+                self.sum_forces(fluid, near, &mut forces);
+                add_all(fluid, (near.chosen(), &forces), &mut total);
             }
-            total += both * (particles.mass[a] / particles.density[a]);
         }
         self.scratch.forces = forces;
         total
     }
 
+    /// Forces of the walls on some particles, per volume.
+    fn sum_forces(&self, fluid: &Fluid, near: Near, forces: &mut Vec<ForceDensity>) {
+        forces.resize(near.len(), ForceDensity::default());
+        let (walls, shear) = (self.neighborhood(fluid), self.shearing(fluid));
+        wall_sums::forces(fluid, walls, near, shear, forces);
+    }
+
     /// Forces of the fluid on some of the points, in their order, as in [`Self::visit_reactions`];
     /// for gauges, which sample rarely; N.
     pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<[Vec3; 2]> {
-        let mut forces = vec![ForceDensity::default(); points.len()];
-        wall_sums::reactions(
-            fluid,
-            self.places(),
-            (&self.seen_velocity, &self.pressure),
-            Near {
-                chosen: points,
-                lists: None,
-            },
-            self.shearing(fluid),
-            &mut forces,
-        );
-        let mut drags = vec![[0.0; 3]; points.len()];
-        let unlisted = Near {
-            chosen: points,
-            lists: None,
-        };
-        self.sum_drags(fluid, unlisted, &mut drags);
+        let unlisted = Near::new(points, None);
+        let (mut forces, mut drags) = (Vec::new(), Vec::new());
+        self.sum_reactions(fluid, unlisted, (&mut forces, &mut drags));
         points
             .iter()
             .zip(forces.iter().zip(&drags))
@@ -760,31 +751,54 @@ impl WallParticles {
         mut visit: impl FnMut(usize, &Vec3, [Vec3; 2]),
     ) {
         let mut forces = std::mem::take(&mut self.scratch.forces);
-        forces.resize(self.wet.updated().len(), ForceDensity::default());
-        wall_sums::reactions(
-            fluid,
-            self.places(),
-            (&self.seen_velocity, &self.pressure),
-            self.near_particles(fluid),
-            self.shearing(fluid),
-            &mut forces,
-        );
         let mut drags = std::mem::take(&mut self.scratch.drags);
-        drags.clear();
-        drags.resize(forces.len(), [0.0; 3]);
-        self.sum_drags(fluid, self.near_particles(fluid), &mut drags);
-        let of_points = forces.iter().zip(&drags);
-        for (&w, (force, drag)) in self.wet.updated().iter().zip(of_points) {
-            let w = w as usize;
-            let [pressure, viscous] = force.times(self.volume[w]);
-            visit(
-                w,
-                &self.position[w],
-                [pressure, viscous + self.drag_of(w, drag)],
-            );
+        for near in self.near_particles(fluid).parts() {
+            self.sum_reactions(fluid, near, (&mut forces, &mut drags));
+            let of_points = forces.iter().zip(&drags);
+            for (&w, (force, drag)) in near.chosen().iter().zip(of_points) {
+                let w = w as usize;
+                let [pressure, viscous] = force.times(self.volume[w]);
+                let viscous = viscous + self.drag_of(w, drag);
+                visit(w, &self.position[w], [pressure, viscous]);
+            }
         }
         self.scratch.forces = forces;
         self.scratch.drags = drags;
+    }
+
+    /// Forces of the fluid on some points, and those of an implicit viscous step; per volume.
+    fn sum_reactions(
+        &self,
+        fluid: &Fluid,
+        near: Near,
+        (forces, drags): (&mut Vec<ForceDensity>, &mut Vec<[f64; 3]>),
+    ) {
+        forces.resize(near.len(), ForceDensity::default());
+        let seen = (self.seen_velocity.as_slice(), self.pressure.as_slice());
+        let shear = self.shearing(fluid);
+        wall_sums::reactions(fluid, self.places(), seen, near, shear, forces);
+        drags.clear();
+        drags.resize(near.len(), [0.0; 3]);
+        self.sum_drags(fluid, near, drags);
+    }
+}
+
+/// Adds forces of walls, per volume, to the accelerations of some particles, and those in newtons to their sum.
+fn add_all(fluid: &mut Fluid, (chosen, forces): (&[u32], &[ForceDensity]), total: &mut Vec3) {
+    let particles = &mut fluid.particles;
+    for (&number, force) in chosen.iter().zip(forces) {
+        let a = number as usize;
+        let (by_pressure, by_viscosity) = (Vec3::from(force.pressure), Vec3::from(force.viscous));
+        let both = by_pressure + by_viscosity;
+        particles.acceleration[a] += both / particles.density[a];
+        (fluid.scratch.pushes).push((number, by_pressure / particles.density[a]));
+        for (sum, f) in particles.viscous_acceleration[a]
+            .iter_mut()
+            .zip(&by_viscosity)
+        {
+            *sum += (f / particles.density[a]) as f32;
+        }
+        *total += both * (particles.mass[a] / particles.density[a]);
     }
 }
 

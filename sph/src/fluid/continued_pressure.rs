@@ -25,10 +25,7 @@ impl ContinuedPressure {
             positions: places,
             facets: &[],
         };
-        let near = Near {
-            chosen: &self.chosen,
-            lists: None,
-        };
+        let near = Near::new(&self.chosen, None);
         wall_sums::extrapolation::<false>(fluid, places, near, &mut self.sums);
     }
 

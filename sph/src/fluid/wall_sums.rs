@@ -16,15 +16,56 @@ use crate::terms::sums::{
     Drags, Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces,
     WallPairs, run_term,
 };
-use crate::{Fluid, Vec3};
+use crate::{CHUNK, Fluid, Vec3};
 
-/// Particles near walls, or wall points near fluid.
+/// Chunks of particles or points that are summed before their sums are used: memory for these only, and enough for many threads.
+const PART: usize = 64;
+
+/// Particles near walls, or wall points near fluid; all of them or a part.
 #[derive(Clone, Copy)]
 pub(crate) struct Near<'a> {
-    /// Their numbers.
-    pub chosen: &'a [u32],
+    /// Numbers of all.
+    all: &'a [u32],
     /// Their neighbors, where they are listed.
-    pub lists: Option<&'a Lists>,
+    lists: Option<&'a Lists>,
+    /// Chunks before the part, and how many are in it.
+    part: (usize, usize),
+}
+
+impl<'a> Near<'a> {
+    /// All of some numbers, with their neighbors where they are listed.
+    pub(crate) fn new(all: &'a [u32], lists: Option<&'a Lists>) -> Self {
+        Self {
+            all,
+            lists,
+            part: (0, all.len()),
+        }
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.part.1
+    }
+
+    /// Their numbers.
+    pub(crate) fn chosen(&self) -> &'a [u32] {
+        let (first, n) = (self.part.0 * CHUNK, self.part.1);
+        &self.all[first..first + n]
+    }
+
+    /// Parts of them, one after the other.
+    pub(crate) fn parts(self) -> impl Iterator<Item = Self> {
+        let n = self.all.len();
+        (0..n).step_by(PART * CHUNK).map(move |first| Self {
+            part: (first / CHUNK, (n - first).min(PART * CHUNK)),
+            ..self
+        })
+    }
+
+    fn receivers(&self, positions: &'a [Vec3]) -> Receivers<'a> {
+        let (n_chunks, n) = self.part;
+        Receivers::new(positions, Some(self.all)).part(n_chunks, n)
+    }
 }
 
 /// Points of walls in the order of their cells.
@@ -40,7 +81,7 @@ impl Fluid {
         Setup {
             settings: &self.settings,
             from: walls,
-            receivers: some(&self.particles.position, near.chosen),
+            receivers: near.receivers(&self.particles.position),
             lists: near.lists,
         }
     }
@@ -56,7 +97,7 @@ impl Fluid {
         Setup {
             settings: &self.settings,
             from: self.neighborhood(points, between),
-            receivers: some(places.positions, near.chosen),
+            receivers: near.receivers(places.positions),
             lists: near.lists,
         }
     }
@@ -136,11 +177,6 @@ impl Fluid {
     pub(crate) fn listing(&self) -> Option<u64> {
         self.listed().and_then(Lists::generation)
     }
-}
-
-/// Some of many receivers.
-fn some<'a>(positions: &'a [Vec3], chosen: &'a [u32]) -> Receivers<'a> {
-    Receivers::new(positions, Some(chosen))
 }
 
 fn across<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) {

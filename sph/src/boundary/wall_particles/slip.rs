@@ -39,7 +39,7 @@ impl Slip {
     }
 
     /// Whether shear is summed first, and scaled then.
-    fn is_scaled(self) -> bool {
+    pub(super) fn is_scaled(self) -> bool {
         matches!(self, Self::Friction(_) | Self::Rough { .. })
     }
 }
@@ -106,16 +106,13 @@ impl WallParticles {
         }
         self.list_points(fluid);
         let mut drags = std::mem::take(&mut self.scratch.drags);
-        drags.resize(self.nearby_particles.len(), [0.0; 3]);
-        wall_sums::drags_of_unit(
-            fluid,
-            self.neighborhood(fluid),
-            self.near_points(fluid),
-            self.shearing(fluid),
-            &mut drags,
-        );
-        let near = self.nearby_particles.iter().zip(&drags);
-        fluid.resist(near.map(|(&a, drag)| (a, -MIRRORED * drag[0])));
+        for near in self.near_points(fluid).parts() {
+            drags.resize(near.len(), [0.0; 3]);
+            let (walls, shear) = (self.neighborhood(fluid), self.shearing(fluid));
+            wall_sums::drags_of_unit(fluid, walls, near, shear, &mut drags);
+            let each = near.chosen().iter().zip(&drags);
+            fluid.resist(each.map(|(&a, drag)| (a, -MIRRORED * drag[0])));
+        }
         self.scratch.drags = drags;
     }
 
@@ -144,10 +141,12 @@ impl WallParticles {
             return;
         }
         let mut drags = std::mem::take(&mut self.scratch.drags);
-        drags.resize(self.wet.updated().len(), [0.0; 3]);
-        self.sum_drags(fluid, self.near_particles(fluid), &mut drags);
-        for (&w, drag) in self.wet.updated().iter().zip(&drags) {
-            visit(w as usize, &self.drag_of(w as usize, drag));
+        for near in self.near_particles(fluid).parts() {
+            drags.resize(near.len(), [0.0; 3]);
+            self.sum_drags(fluid, near, &mut drags);
+            for (&w, drag) in near.chosen().iter().zip(&drags) {
+                visit(w as usize, &self.drag_of(w as usize, drag));
+            }
         }
         self.scratch.drags = drags;
     }
