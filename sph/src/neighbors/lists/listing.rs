@@ -206,6 +206,7 @@ where
                     radius2,
                 };
                 let (mut n, mut hint) = (0, 0);
+                let (mut in_order, mut end) = (true, 0);
                 for run in &candidates[of.candidates.clone()] {
                     let slot = windows[page].slot(run, &mut hint);
                     let run = run.start as usize..run.end as usize;
@@ -215,6 +216,8 @@ where
                         found.resize(room, 0);
                     }
                     hint += 1;
+                    in_order &= end <= slot;
+                    end = slot + run.len() as u32;
                     n = machine.filter(points.columns(), (run, slot), &sphere, found, n);
                 }
                 group += 1;
@@ -227,7 +230,7 @@ where
                     });
                 let found = &found[..n];
                 if lists.are_short {
-                    slots.add_short::<L>(found, &windows[page].runs);
+                    slots.add_short::<L>(found, &windows[page].runs, in_order);
                 } else {
                     slots.add::<L>(found, of.padding);
                 }

@@ -63,21 +63,25 @@ impl Slots {
         }
     }
 
-    /// Adds short registers of slots in a window of runs.
+    /// Adds short registers of slots in a window of runs. Slots that are in order save a look for the ends of each register.
     #[inline(always)]
-    pub(super) fn add_short<L: Lanes>(&mut self, slots: &[u32], window: &Runs) {
+    pub(super) fn add_short<L: Lanes>(&mut self, slots: &[u32], window: &Runs, in_order: bool) {
         // arrays, for which the machine has registers, too
         match L::WIDTH {
-            4 => self.add_short_of::<4>(slots, window),
-            _ => self.add_short_of::<MOST_LANES>(slots, window),
+            4 => self.add_short_of::<4>(slots, window, in_order),
+            _ => self.add_short_of::<MOST_LANES>(slots, window, in_order),
         }
     }
 
     #[inline(always)]
-    fn add_short_of<const WIDTH: usize>(&mut self, slots: &[u32], window: &Runs) {
+    fn add_short_of<const WIDTH: usize>(&mut self, slots: &[u32], window: &Runs, in_order: bool) {
         let (registers, rest) = slots.as_chunks::<WIDTH>();
+        self.bytes.reserve((registers.len() + 1) * (SLOT + WIDTH));
         for register in registers {
-            let (lowest, highest) = ends(register);
+            let (lowest, highest) = match in_order {
+                true => (register[0], register[WIDTH - 1]),
+                false => ends(register),
+            };
             if ((highest - lowest) as usize) < WITHIN {
                 self.add_register(lowest, register);
             } else {
@@ -116,12 +120,12 @@ impl Slots {
 
     #[inline(always)]
     fn add_register<const WIDTH: usize>(&mut self, lowest: u32, slots: &[u32; WIDTH]) {
-        let mut ways = [0; WIDTH];
-        for (way, slot) in ways.iter_mut().zip(slots) {
+        let mut bytes = [0; SLOT + MOST_LANES];
+        bytes[..SLOT].copy_from_slice(&(lowest as u16).to_le_bytes());
+        for (way, slot) in bytes[SLOT..].iter_mut().zip(slots) {
             *way = (slot - lowest) as u8;
         }
-        self.bytes.extend((lowest as u16).to_le_bytes());
-        self.bytes.extend_from_slice(&ways);
+        self.bytes.extend_from_slice(&bytes[..SLOT + WIDTH]);
     }
 
     /// Those of a span, which begin where the one before ends.
