@@ -196,7 +196,7 @@ impl Fluid {
                         *density = state.reference_density * porosity;
                         continue;
                     }
-                    let sound = slowed_sound(f64::from(rate.crowding) / n_dimensions);
+                    let sound = slowed_sound(rate.crowding / n_dimensions);
                     // what comes in compresses the water alone
                     let flow = rate.flow / porosity;
                     let withheld = (1.0 - sound * sound) * flow;

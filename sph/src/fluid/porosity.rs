@@ -118,7 +118,7 @@ impl Fluid {
                 *carried = *density;
                 return;
             }
-            let sound = slowed_sound(f64::from(rate.crowding) / n_dimensions);
+            let sound = slowed_sound(rate.crowding / n_dimensions);
             let flow = sound * sound * alone.compression * *carried;
             *carried += (flow + sound * rate.diffusion) * dt;
         });

@@ -15,8 +15,8 @@
 //!
 //! Entries are in the order of the sweep, separate for each particle, padded to whole
 //! registers, and numbered within a [`window`] of their chunk: results are the same bits for any number of threads. Neighbors across a periodic
-//! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position. In space, where lists are
-//! long, [`slots`] keep little more than a byte of each.
+//! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position. In much water [`slots`] keep
+//! little more than a byte of each.
 //!
 //! Sleeping particles far from all awake ones have empty lists and are skipped in sums.
 
@@ -541,12 +541,16 @@ fn keep(
 
 #[cfg(test)]
 mod tests {
+    use super::window::Runs;
     use super::*;
     use crate::fluid::sums;
     use crate::scheme::{DensityDiffusion, Viscosity};
+    use crate::simd::lanes::Portable;
     use crate::{Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start};
 
     const RADIUS: f64 = 0.2;
+
+    type Eight = <Portable as Machine>::F32;
 
     /// A box and how sums are made in it.
     #[derive(Clone, Copy)]
@@ -556,6 +560,7 @@ mod tests {
         symmetry: [[bool; 2]; 3],
         kernel: KernelChoice,
         viscosity: Viscosity,
+        precision: Precision,
     }
 
     const CLOSED: Case = Case {
@@ -564,6 +569,7 @@ mod tests {
         symmetry: [[false; 2]; 3],
         kernel: KernelChoice::WendlandC2,
         viscosity: Viscosity::Artificial { alpha: 0.1 },
+        precision: Precision::Double,
     };
 
     /// Random particles as dense as water in a box, half of them on their way along x, the others against it.
@@ -575,7 +581,7 @@ mod tests {
             reference_density: 1000.0,
             sound_speed: 30.0,
             scheme: Scheme {
-                precision: Precision::Double,
+                precision: of.precision,
                 diffusion: DensityDiffusion::Antuono(0.1),
                 viscosity: of.viscosity,
                 kernel: of.kernel,
@@ -787,18 +793,104 @@ mod tests {
         Ok(())
     }
 
+    /// As in much water: no window is a part of the points.
+    fn in_much_water(fluid: &mut Fluid) {
+        fluid.lists = Lists {
+            limits: Limits {
+                part: 0,
+                ..Limits::default()
+            },
+            ..Lists::default()
+        };
+    }
+
+    #[test]
+    fn short_registers_are_of_the_same_bits() -> Result<(), FluidError> {
+        let single = Case {
+            precision: Precision::Single,
+            ..CLOSED
+        };
+        let cases = [
+            (single, true),
+            (
+                Case {
+                    extent: [0.8, 0.6, 0.8],
+                    periodic: [true, true, false],
+                    ..single
+                },
+                true,
+            ),
+            (
+                Case {
+                    symmetry: [[true; 2], [false; 2], [true, false]],
+                    ..single
+                },
+                true,
+            ),
+            // rows next to each other are runs too long
+            (
+                Case {
+                    extent: [0.3, 0.3, 1.6],
+                    ..single
+                },
+                false,
+            ),
+        ];
+        for (case, are_short) in cases {
+            let mut fluid = cloud(case)?;
+            let mut short = fluid.clone();
+            in_much_water(&mut short);
+            assert_eq!(all_sums(&mut fluid)?, all_sums(&mut short)?);
+            assert!(fluid.lists.chunks.iter().all(|c| !c.are_short));
+            let chunks = &short.lists.chunks;
+            assert_eq!(
+                chunks.iter().any(|c| c.are_short),
+                are_short,
+                "{:?}",
+                case.extent
+            );
+            approach(&mut fluid);
+            approach(&mut short);
+            assert_eq!(all_sums(&mut fluid)?, all_sums(&mut short)?);
+        }
+        Ok(())
+    }
+
+    /// Neighbors too far apart for a register take two.
+    #[test]
+    fn short_registers_are_split() {
+        let mut window = Runs::default();
+        for run in [0..200, 300..500] {
+            window.include(&run, &mut 0);
+        }
+        window.number(|point| point);
+        let mut slots = Slots::default();
+        // slots 1 to 200 and 202 to 401: the first run and the second
+        let register: Vec<u32> = [5, 7, 9, 190, 205, 300, 390, 400].into();
+        slots.add_short(&register, &window, true);
+        let n = slots.bytes().len();
+        assert_eq!(n, 2 * 10);
+        let lanes: Vec<usize> = slots.of_span::<true>(0..n).slots::<Eight>().collect();
+        let nothing = [0, 201, 402];
+        for (lane, slot) in register.iter().enumerate() {
+            let in_lane = [lanes[lane], lanes[lane + 8]];
+            assert_eq!(in_lane.iter().filter(|&&s| s == *slot as usize).count(), 1);
+            assert_eq!(in_lane.iter().filter(|s| nothing.contains(s)).count(), 1);
+        }
+    }
+
     /// A block of 32 x 32 x 32 particles on a cubic lattice, with lists of 113 neighbors within it.
     #[test]
-    fn lists_are_a_byte_and_a_quarter_a_neighbor() -> Result<(), FluidError> {
+    fn lists_are_a_byte_and_a_quarter_a_neighbor_in_much_water() -> Result<(), FluidError> {
         let spacing = 0.05;
         let mut fluid = cloud(Case {
             extent: [32.0 * spacing; 3],
+            precision: Precision::Single,
             ..CLOSED
         })?;
         let mut settings = fluid.settings.clone();
         settings.particle_spacing = [spacing; 3];
         settings.smoothing_length = 1.3 * spacing;
-        settings.scheme.precision = Precision::Single;
         let place = |a: usize| [a % 32, a / 32 % 32, a / 1024].map(|k| (k as f64 + 0.5) * spacing);
         let positions: Vec<Vec3> = (0..32_768).map(|a| Vec3::from(place(a))).collect();
         let start = Start {
@@ -808,45 +900,26 @@ mod tests {
         };
         fluid = Fluid::new(start, settings)?;
         fluid.refresh();
-        fluid.update_rates();
         let n = fluid.particles.len() as f64;
-        assert!(fluid.lists.chunks.iter().all(|lists| lists.are_short));
-        // eight slots in ten bytes
-        let bytes: usize = fluid
-            .lists
-            .chunks
-            .iter()
-            .map(|c| c.slots.bytes().len())
-            .sum();
-        let n_listed = 0.8 * bytes as f64 / n;
-        // neighbors, with itself, within 1.1 supports of 2.6 spacings, fewer at the faces, and what fills up registers
-        assert!(85.0 < n_listed && n_listed < 112.0, "{n_listed}");
-        let per_particle = fluid.list_memory() as f64 / n;
-        // an entry takes 1.25 bytes and a sixteenth to spare; a span 8 and a half, the place listed from 12, a chunk, its pages and
-        // runs 6
-        let most = 1.25 * (1.0 + 1.0 / 16.0) * n_listed + 27.0;
-        assert!(per_particle < most, "{per_particle} of {most}");
-        // and with padding no more than that altogether
-        assert!(per_particle < 170.0, "{per_particle}");
-        Ok(())
-    }
-
-    /// In a plane rows are few and long: a window is a part of the points, and its slots have two bytes.
-    #[test]
-    fn lists_of_a_plane_read_the_points_themselves() -> Result<(), FluidError> {
-        let mut fluid = cloud(Case {
-            extent: [1.6, 0.21, 1.6],
-            periodic: [false, true, false],
-            ..CLOSED
-        })?;
-        fluid.update_rates();
-        let chunks = &fluid.lists.chunks;
-        let is_part = |page: &Page| matches!(page.points, PagePoints::Part(_));
-        assert!(
-            chunks
-                .iter()
-                .all(|c| !c.are_short && c.pages.iter().all(is_part))
-        );
+        // a span takes 8 bytes and a half, the place listed from 12, a chunk and its page 1, its many pages and runs 6
+        for (is_much, of_eight, beside) in [(false, 16.0, 22.0), (true, 10.0, 27.0)] {
+            fluid.lists = Lists::default();
+            if is_much {
+                in_much_water(&mut fluid);
+            }
+            fluid.update_rates();
+            assert!(fluid.lists.chunks.iter().all(|c| c.are_short == is_much));
+            let bytes: usize = (fluid.lists.chunks.iter())
+                .map(|c| c.slots.bytes().len())
+                .sum();
+            let n_listed = 8.0 / of_eight * bytes as f64 / n;
+            // neighbors, with itself, within 1.1 supports of 2.6 spacings, fewer at the faces, and what fills up registers
+            assert!(85.0 < n_listed && n_listed < 112.0, "{n_listed}");
+            // with a sixteenth to spare
+            let most = (1.0 + 1.0 / 16.0) * (bytes as f64 / n) + beside;
+            let per_particle = fluid.list_memory() as f64 / n;
+            assert!(per_particle < most, "{per_particle} of {most}");
+        }
         Ok(())
     }
 

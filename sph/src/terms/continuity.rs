@@ -14,14 +14,14 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Rate {
     /// By the flow; kg/(m³ s).
     pub flow: f64,
+    /// The part of this that walls make; kg/(m³ s).
+    pub by_walls: f64,
     /// By diffusion; kg/(m³ s).
     pub diffusion: f64,
-    /// The part of `flow` that walls make; kg/(m³ s).
-    pub by_walls: f64,
     /// Neighbors found, the particle itself among them.
     pub n_found: u32,
     /// Concentration of neighbors times the number of dimensions, `−Σ V_b x·∇W`: in open water that number.
-    pub crowding: f32,
+    pub crowding: f64,
 }
 
 /// Receivers of the rate, one slot per particle.
@@ -112,7 +112,7 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
             by_walls: 0.0,
             diffusion: self.diffusion.strength() * diffusion.sum(),
             n_found,
-            crowding: -crowding.sum() as f32,
+            crowding: -crowding.sum(),
         };
     }
 }

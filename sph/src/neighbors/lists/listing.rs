@@ -11,7 +11,7 @@ use crate::neighbors::mirror::{Image, MOST_IMAGES};
 use crate::neighbors::points::Places;
 use crate::neighbors::rest::Rest;
 use crate::neighbors::sweep::FILTER_MARGIN;
-use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
+use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, MOST_LANES, Machine, Task};
 
 /// Room that lists keep for water that gathers a little more as it moves; 1/ROOM of their length.
 const ROOM: usize = 16;
@@ -153,10 +153,10 @@ where
         } = self;
         let receivers = first..from.receivers.len().min(first + CHUNK);
         scratch.find_candidates(&from, receivers.clone(), limits.largest);
-        let is_in_space = scratch.find_windows(limits);
+        let may_be_short = scratch.find_windows::<L>(limits);
         scratch.number(&from, points);
         let is_near = |window: &PageWindow| window.runs.longest() <= LONGEST_RUN;
-        lists.are_short = is_in_space && scratch.windows.iter().all(is_near);
+        lists.are_short = may_be_short && scratch.windows.iter().all(is_near);
         let Scratch {
             candidates,
             groups,
@@ -230,7 +230,7 @@ where
                     });
                 let found = &found[..n];
                 if lists.are_short {
-                    slots.add_short::<L>(found, &windows[page].runs, in_order);
+                    slots.add_short(found, &windows[page].runs, in_order);
                 } else {
                     slots.add::<L>(found, of.padding);
                 }
@@ -318,19 +318,21 @@ impl Scratch {
         }
     }
 
-    /// Finds the windows of all groups: one part of the points for receivers with few rows, where it holds all; runs elsewhere. Returns
-    /// whether receivers have many.
+    /// Finds the windows of all groups: one part of the points where that holds all; runs elsewhere, for few receivers each where
+    /// registers may be short. Returns whether they may: in space, where lists are long, and in single precision, where
+    /// records are small and registers wide enough to be worth the copies.
     #[inline(always)]
-    fn find_windows(&mut self, limits: Limits) -> bool {
+    fn find_windows<L: Lanes>(&mut self, limits: Limits) -> bool {
         let Self {
             candidates,
             groups,
             windows,
             ..
         } = self;
-        let is_in_plane = candidates.len() <= RUNS_IN_PLANE * groups.len();
         let whole = hull(candidates);
-        let is_part = is_in_plane && whole.end.saturating_sub(whole.start) as usize <= limits.part;
+        let is_part = whole.end.saturating_sub(whole.start) as usize <= limits.part;
+        let is_in_space = RUNS_IN_PLANE * groups.len() < candidates.len();
+        let may_be_short = !is_part && is_in_space && L::WIDTH == MOST_LANES;
         let mut n_windows = 0;
         for (g, group) in groups.iter().enumerate() {
             let own = &candidates[group.candidates.clone()];
@@ -339,7 +341,7 @@ impl Scratch {
                 Some(_) if is_part => false,
                 Some(last) => {
                     let is_long = limits.groups <= g - last.groups.start;
-                    is_long && !is_in_plane || last.is_full(own, limits.largest)
+                    may_be_short && is_long || last.is_full(own, limits.largest)
                 }
             };
             if is_new {
@@ -356,7 +358,7 @@ impl Scratch {
             window.groups.end = g + 1;
         }
         windows.truncate(n_windows);
-        !is_in_plane
+        may_be_short
     }
 
     /// Gives the points of all windows their slots, and finds padding for all groups.

@@ -1,8 +1,8 @@
 //! Slots of the neighbors in lists, register by register.
 //!
-//! A register of neighbors is its slots, two bytes each, or a short one: the lowest of them in two bytes, and how far the others are
-//! from it in one byte each. One whose neighbors are farther apart becomes two or more, each with some of them in
-//! their lanes and a slot that adds nothing in the others: sums are the same bits.
+//! A register of neighbors is its slots, two bytes each, or a short one of eight: the lowest of them in two bytes, and how far the
+//! others are from it in one byte each. One whose neighbors are farther apart becomes two or more, each with some of them
+//! in their lanes and a slot that adds nothing in the others: sums are the same bits.
 
 use std::ops::Range;
 use std::slice::ChunksExact;
@@ -65,37 +65,28 @@ impl Slots {
 
     /// Adds short registers of slots in a window of runs. Slots that are in order save a look for the ends of each register.
     #[inline(always)]
-    pub(super) fn add_short<L: Lanes>(&mut self, slots: &[u32], window: &Runs, in_order: bool) {
+    pub(super) fn add_short(&mut self, slots: &[u32], window: &Runs, in_order: bool) {
         // arrays, for which the machine has registers, too
-        match L::WIDTH {
-            4 => self.add_short_of::<4>(slots, window, in_order),
-            _ => self.add_short_of::<MOST_LANES>(slots, window, in_order),
-        }
-    }
-
-    #[inline(always)]
-    fn add_short_of<const WIDTH: usize>(&mut self, slots: &[u32], window: &Runs, in_order: bool) {
-        let (registers, rest) = slots.as_chunks::<WIDTH>();
-        self.bytes.reserve((registers.len() + 1) * (SLOT + WIDTH));
+        let (registers, rest) = slots.as_chunks::<MOST_LANES>();
         for register in registers {
             let (lowest, highest) = match in_order {
-                true => (register[0], register[WIDTH - 1]),
+                true => (register[0], register[MOST_LANES - 1]),
                 false => ends(register),
             };
             if ((highest - lowest) as usize) < WITHIN {
                 self.add_register(lowest, register);
             } else {
-                self.add_parts::<WIDTH>(register, window);
+                self.add_parts(register, window);
             }
         }
         if !rest.is_empty() {
-            self.add_parts::<WIDTH>(rest, window);
+            self.add_parts(rest, window);
         }
     }
 
     /// Adds the slots of a register in as many as they need.
     #[inline(never)]
-    fn add_parts<const WIDTH: usize>(&mut self, slots: &[u32], window: &Runs) {
+    fn add_parts(&mut self, slots: &[u32], window: &Runs) {
         let mut first = 0;
         while first < slots.len() {
             let mut end = slots.len();
@@ -111,7 +102,7 @@ impl Slots {
                     None => end -= 1,
                 }
             };
-            let mut register = [nothing; WIDTH];
+            let mut register = [nothing; MOST_LANES];
             register[first..end].copy_from_slice(&slots[first..end]);
             self.add_register(lowest, &register);
             first = end;
@@ -119,13 +110,13 @@ impl Slots {
     }
 
     #[inline(always)]
-    fn add_register<const WIDTH: usize>(&mut self, lowest: u32, slots: &[u32; WIDTH]) {
+    fn add_register(&mut self, lowest: u32, slots: &[u32; MOST_LANES]) {
         let mut bytes = [0; SLOT + MOST_LANES];
         bytes[..SLOT].copy_from_slice(&(lowest as u16).to_le_bytes());
         for (way, slot) in bytes[SLOT..].iter_mut().zip(slots) {
             *way = (slot - lowest) as u8;
         }
-        self.bytes.extend_from_slice(&bytes[..SLOT + WIDTH]);
+        self.bytes.extend_from_slice(&bytes);
     }
 
     /// Those of a span, which begin where the one before ends.
@@ -155,7 +146,7 @@ impl<'a, const SHORT: bool> Registers<'a, SHORT> {
     #[inline(always)]
     const fn size<L: Lanes>() -> usize {
         if SHORT {
-            SLOT + L::WIDTH
+            SLOT + MOST_LANES
         } else {
             SLOT * L::WIDTH
         }

@@ -1,10 +1,10 @@
 //! Windows: the points that some receivers of a chunk may see, one after the other, so that lists number them in 16 bits or in 8.
 //!
-//! The candidates of neighboring receivers are nearly the same few runs of points. In a plane, where all of them are within 65,536
-//! points, the window is that part of the points. Elsewhere it holds the runs alone, merged, with a slot that adds nothing before
-//! each and at the end: a sum then copies the records of the window before it reads them, some twenty a receiver. In space a window
-//! is for few receivers, so that neighbors that follow each other in a list are [near together](super::slots) in it, and its
-//! records in the first cache.
+//! The candidates of neighboring receivers are nearly the same few runs of points. Where all of them are within 65,536 points, the
+//! window is that part of the points. Elsewhere, in much water, it holds the runs alone, merged, with a slot that adds
+//! nothing before each and at the end: a sum then copies the records of the window before it reads them, some ten a receiver. In
+//! space and in single precision it is for few receivers, and the copies are some seventeen: neighbors that follow each other in a list are then
+//! [near together](super::slots) in it, and its records in the first cache.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ pub(super) struct Limits {
     pub part: usize,
     /// Of runs.
     pub largest: usize,
-    /// Groups of candidates of a window in space.
+    /// Groups of candidates of a window with short registers.
     pub groups: usize,
 }
 
