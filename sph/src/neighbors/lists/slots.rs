@@ -54,13 +54,15 @@ impl Slots {
     /// Adds registers, the last one filled up with a slot that adds nothing.
     #[inline(always)]
     pub(super) fn add<L: Lanes>(&mut self, slots: &[u32], padding: u32) {
+        let before = self.bytes.len();
         let padded = slots.len().next_multiple_of(L::WIDTH);
-        for &slot in slots {
-            self.bytes.extend((slot as u16).to_le_bytes());
+        self.bytes.resize(before + SLOT * padded, 0);
+        let (places, _) = self.bytes[before..].as_chunks_mut();
+        let (of_slots, of_padding) = places.split_at_mut(slots.len());
+        for (place, &slot) in of_slots.iter_mut().zip(slots) {
+            *place = (slot as u16).to_le_bytes();
         }
-        for _ in slots.len()..padded {
-            self.bytes.extend((padding as u16).to_le_bytes());
-        }
+        of_padding.fill((padding as u16).to_le_bytes());
     }
 
     /// Adds short registers of slots in a window of runs. Slots that are in order save a look for the ends of each register.
