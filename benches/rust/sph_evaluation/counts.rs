@@ -175,15 +175,19 @@ const NUMBER: f64 = 8.0;
 const VECTOR: f64 = 24.0;
 const INDEX: f64 = 4.0;
 /// A rate as it is stored, with the number of neighbors.
-const STORED_RATE: f64 = 32.0;
+const STORED_RATE: f64 = 40.0;
 /// Particles whose forces are summed at a time.
 const PART: f64 = 32_768.0;
-/// Number of a neighbor in a list.
+/// Particles near walls, or points near water, that are summed at a time.
+const WALL_PART: f64 = 16_384.0;
+/// Number of a neighbor in a list, where it is not a way within a register.
 const SLOT: f64 = 2.0;
 /// Of sums per receiver: rate of density, force, extrapolation.
 const RATE_SUMS: f64 = 24.0;
 const FORCE_SUMS: f64 = 48.0;
 const EXTRAPOLATED: f64 = 88.0;
+/// What is kept of the latter.
+const CONTINUED: f64 = 40.0;
 
 /// Needs of the parts of an evaluation, from what there is to see.
 pub struct Needs {
@@ -295,12 +299,17 @@ impl Needs {
     }
 
     /// That of walls at rest: columns of the points and their order, 44 bytes each; of those near water order, places, packed
-    /// points and sums; sums of particles near walls; a number of each cell. Without the lists of both.
+    /// points and what remains of their sums; numbers of particles near walls; the sums of a part of either; a number of each cell.
+    /// Without the lists of both.
     pub fn wall_memory(&self, n_cells: usize) -> f64 {
         let c = &self.counts;
+        let of_particles = STORED_RATE + 2.0 * VECTOR;
+        let of_points = EXTRAPOLATED + VECTOR;
         c.points * 44.0
-            + c.wet * (INDEX + VECTOR + self.packed() + EXTRAPOLATED)
-            + c.from_walls.receivers * (INDEX + STORED_RATE + 2.0 * VECTOR)
+            + c.wet * (INDEX + VECTOR + self.packed() + CONTINUED)
+            + c.from_walls.receivers * INDEX
+            + c.from_walls.receivers.min(WALL_PART) * of_particles
+            + c.wet.min(WALL_PART) * of_points
             + INDEX * n_cells as f64
     }
 }

@@ -19,7 +19,7 @@ use crate::terms::sums::{
 
 /// Chunks of particles whose forces are summed before they become accelerations: memory for these only, and enough for many
 /// threads.
-const PART: usize = 64;
+const PART: usize = 128;
 
 impl Fluid {
     /// Resistance to shear within the fluid.
