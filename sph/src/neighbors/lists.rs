@@ -39,8 +39,8 @@ use crate::simd::lanes::{Lanes, MOST_LANES, Machine, Task};
 use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
 use listing::{Listing, Scratch};
-use slots::{Register, Slots, WITHIN};
-use window::{Limits, Window};
+use slots::{Register, Slots};
+use window::{Limits, WITHIN, Window};
 
 /// Neighbor lists of the points of a set, or of some of them.
 #[derive(Clone, Debug)]

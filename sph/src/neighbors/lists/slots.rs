@@ -7,13 +7,11 @@
 use std::ops::Range;
 use std::slice::ChunksExact;
 
-use super::window::Runs;
+use super::window::{Runs, WITHIN};
 use crate::simd::lanes::{Index, Lanes, MOST_LANES};
 
 /// Bytes of a slot.
 const SLOT: usize = size_of::<u16>();
-/// Slots that a short register may hold.
-pub(super) const WITHIN: usize = 1 << u8::BITS;
 /// Longest run of which every slot is this near to one that adds nothing, before or after it.
 pub(super) const LONGEST_RUN: usize = 2 * (WITHIN - 1);
 

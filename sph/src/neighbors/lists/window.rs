@@ -4,13 +4,15 @@
 //! window is that part of the points. Elsewhere, in much water, it holds the runs alone, merged, with a slot that adds
 //! nothing before each and at the end: a sum then copies the records of the window before it reads them, some ten a receiver. In
 //! space and in single precision it is for few receivers, and the copies are some seventeen: neighbors that follow each other in a list are then
-//! [near together](super::slots) in it, and its records in the first cache.
+//! near together in it, and its records in the first cache.
 
 use std::ops::Range;
 
-use super::slots::WITHIN;
 use crate::neighbors::points::Points;
 use crate::simd::lanes::Record;
+
+/// Slots from the lowest of a short register on that it may hold.
+pub(super) const WITHIN: usize = 1 << u8::BITS;
 
 /// Most points of windows.
 #[derive(Clone, Copy, Debug)]
