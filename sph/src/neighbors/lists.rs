@@ -902,7 +902,9 @@ mod tests {
         fluid.refresh();
         let n = fluid.particles.len() as f64;
         // a span takes 8 bytes and a half, the place listed from 12, a chunk and its page 1, its many pages and runs 6
-        for (is_much, of_eight, beside) in [(false, 16.0, 22.0), (true, 10.0, 27.0)] {
+        for (is_much, of_eight, beside, altogether) in
+            [(false, 16.0, 22.0, 240.0), (true, 10.0, 27.0, 170.0)]
+        {
             fluid.lists = Lists::default();
             if is_much {
                 in_much_water(&mut fluid);
@@ -919,6 +921,8 @@ mod tests {
             let most = (1.0 + 1.0 / 16.0) * (bytes as f64 / n) + beside;
             let per_particle = fluid.list_memory() as f64 / n;
             assert!(per_particle < most, "{per_particle} of {most}");
+            // and with padding no more than that
+            assert!(per_particle < altogether, "{per_particle} of {altogether}");
         }
         Ok(())
     }

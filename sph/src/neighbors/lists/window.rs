@@ -17,7 +17,7 @@ pub(super) const WITHIN: usize = 1 << u8::BITS;
 /// Most points of windows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Of a part of the points.
+    /// Of a part of the points. As runs they need no more slots: between two runs, which do not touch, is a point of neither.
     pub part: usize,
     /// Of runs.
     pub largest: usize,
