@@ -19,13 +19,14 @@ use crate::picture::chart::page::{Anchor, Page, WIDTH};
 use plan::Plan;
 use plot::Axes;
 use serde::{Deserialize, Serialize};
+pub(in crate::picture) use view::keep_seen;
 
 /// Scene at one time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Simulated time; s.
     pub time: f64,
-    /// Particle positions; m.
+    /// Particle positions, of those that the picture shows; m.
     pub positions: Vec<[f32; 3]>,
     /// Speed of each particle; m/s.
     pub speeds: Vec<f32>,

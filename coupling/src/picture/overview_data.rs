@@ -8,7 +8,7 @@ pub(in crate::picture) mod theory;
 use std::path::{Path, PathBuf};
 
 use super::overview::plan::FromAbove;
-use super::overview::{Overview, Record, svg};
+use super::overview::{Overview, Record, keep_seen, svg};
 use crate::files::table::{TableData, read_table};
 use crate::output::observe::ObserveError;
 use crate::output::observe::gauges::Gauges;
@@ -150,8 +150,20 @@ impl OverviewData {
             if self.overview.snapshots.is_empty() {
                 self.add_plan_view(world);
             }
-            self.overview.snapshots.push(snapshot(world, &self.section));
+            self.add_side_view(world);
         }
+    }
+
+    fn add_side_view(&mut self, world: &World) {
+        let mut snapshot = snapshot(world, &self.section);
+        let Overview {
+            snapshots,
+            view,
+            particle_spacing,
+            ..
+        } = &mut self.overview;
+        keep_seen(&mut snapshot, *view, *particle_spacing);
+        snapshots.push(snapshot);
     }
 
     fn add_plan_view(&mut self, world: &World) {
@@ -171,7 +183,7 @@ impl OverviewData {
         world: &World,
         subtitle: String,
     ) -> Result<PathBuf, ObserveError> {
-        self.overview.snapshots.push(snapshot(world, &self.section));
+        self.add_side_view(world);
         self.add_plan_view(world);
         self.overview.subtitle = subtitle;
         self.read_records(folder)?;

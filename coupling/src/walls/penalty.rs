@@ -98,6 +98,9 @@ pub struct Penetration {
     pub is_deep: bool,
 }
 
+/// Chunks of particles whose touches are found before they are put in a row: memory for these only, and enough for many threads.
+const PART: usize = 128;
+
 /// Penalty walls of all blocks, with the search for their particles.
 #[derive(Clone, Debug)]
 pub struct Interface {
@@ -116,7 +119,9 @@ pub struct Interface {
     is_near_fixed: Vec<bool>,
     /// Parts of blocks that may move, near each cell at present.
     moving: PartTable,
+    /// Touches of the chunks of a part; scratch.
     chunks: Vec<Vec<WallContact>>,
+    /// In order of particle.
     touches: Vec<WallContact>,
     loads: Vec<Load>,
     /// Shear part of the loads.
@@ -255,42 +260,44 @@ impl Interface {
         );
         self.find_near_fixed(fluid, blocks);
         let positions = &fluid.particles().position;
-        self.chunks
-            .resize_with(positions.len().div_ceil(CHUNK), Vec::new);
         let (settings, fixed, moving) = (&self.settings, &self.fixed, &self.moving);
         let is_near_fixed = &self.is_near_fixed;
-        self.chunks
-            .par_iter_mut()
-            .zip(positions.par_chunks(CHUNK))
-            .enumerate()
-            .for_each(|(chunk, (touches, positions))| {
-                touches.clear();
-                // sleeping particles approach nothing
-                if fluid.is_still(chunk * CHUNK..chunk * CHUNK + positions.len()) {
-                    return;
-                }
-                for (a, x) in positions.iter().enumerate() {
-                    let cell = fluid.grid().cell_of(x);
-                    let first = touches.len();
-                    let a = chunk * CHUNK + a;
-                    let fixed = match is_near_fixed[a] {
-                        true => fixed.near(cell),
-                        false => &[],
-                    };
-                    for &part in fixed.iter().chain(moving.near(cell)) {
-                        add_nearest(
-                            touches,
-                            first,
-                            (a as u32, x),
-                            (part as usize, blocks),
-                            settings,
-                        );
-                    }
-                }
-            });
         self.touches.clear();
-        for chunk in &self.chunks {
-            self.touches.extend_from_slice(chunk);
+        self.chunks.resize_with(PART, Vec::new);
+        for (part, positions) in positions.chunks(PART * CHUNK).enumerate() {
+            let chunks = positions.par_chunks(CHUNK).enumerate();
+            self.chunks
+                .par_iter_mut()
+                .zip(chunks)
+                .for_each(|(touches, (chunk, positions))| {
+                    touches.clear();
+                    let first = (part * PART + chunk) * CHUNK;
+                    // sleeping particles approach nothing
+                    if fluid.is_still(first..first + positions.len()) {
+                        return;
+                    }
+                    for (a, x) in (first..).zip(positions) {
+                        let cell = fluid.grid().cell_of(x);
+                        let first = touches.len();
+                        let fixed = match is_near_fixed[a] {
+                            true => fixed.near(cell),
+                            false => &[],
+                        };
+                        for &part in fixed.iter().chain(moving.near(cell)) {
+                            add_nearest(
+                                touches,
+                                first,
+                                (a as u32, x),
+                                (part as usize, blocks),
+                                settings,
+                            );
+                        }
+                    }
+                });
+            let n_chunks = positions.len().div_ceil(CHUNK);
+            for chunk in &self.chunks[..n_chunks] {
+                self.touches.extend_from_slice(chunk);
+            }
         }
     }
 

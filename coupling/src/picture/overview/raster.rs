@@ -9,6 +9,8 @@ pub(super) const N_SHADES: usize = 64;
 /// Palette indices: 0 is transparent, then the shades, then the color of a NaN speed.
 pub(super) const CLEAR: u8 = 0;
 const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
+/// Particle number of a pixel without any.
+const NOTHING: u32 = u32::MAX;
 /// Below this size in pixels a particle is drawn as a rectangle, so that no background shows between neighbors.
 /// Smaller discs make patterns with the pixels that look like flow.
 const SMALLEST_DISC: f64 = 12.0;
@@ -36,6 +38,36 @@ pub(super) struct Water<'a> {
 
 /// Palette indices, row by row from the top.
 pub(super) fn pixels(water: Water<'_>, window: Window) -> Vec<u8> {
+    let order = far_to_near(water.positions);
+    let nearest = nearest(water.positions, &order, water.spacing, window);
+    let shade = |a: u32| match water.speeds.get(a as usize) {
+        _ if a == NOTHING => CLEAR,
+        None => NOT_A_NUMBER,
+        Some(&speed) => shade(speed, water.top_speed),
+    };
+    nearest.into_iter().map(shade).collect()
+}
+
+/// Whether each particle shows in one of these windows.
+pub(super) fn is_seen(
+    positions: &[[f32; 3]],
+    spacing: f64,
+    windows: impl Iterator<Item = Window>,
+) -> Vec<bool> {
+    let order = far_to_near(positions);
+    let mut is_seen = vec![false; positions.len()];
+    for window in windows {
+        for a in nearest(positions, &order, spacing, window) {
+            if a != NOTHING {
+                is_seen[a as usize] = true;
+            }
+        }
+    }
+    is_seen
+}
+
+/// Number of the particle nearest to the viewer in each pixel, row by row from the top; [`NOTHING`] where there is none.
+fn nearest(positions: &[[f32; 3]], order: &[u32], spacing: f64, window: Window) -> Vec<u32> {
     let Window {
         min,
         max,
@@ -48,35 +80,34 @@ pub(super) fn pixels(water: Water<'_>, window: Window) -> Vec<u8> {
     ];
     // Half a pixel at least, so that a particle is always visible, and a small overlap, without which there are lens-shaped
     // holes between discs and lines between rounded rows.
-    let radius = scale.map(|scale| (OVERLAP * 0.5 * water.spacing * scale).max(0.5));
+    let radius = scale.map(|scale| (OVERLAP * 0.5 * spacing * scale).max(0.5));
     let is_disc = 2.0 * radius[0].min(radius[1]) >= SMALLEST_DISC;
 
-    let mut pixels = vec![CLEAR; width * height];
-    for a in far_to_near(water.positions) {
-        let [x, _, z] = water.positions[a].map(f64::from);
+    let mut nearest = vec![NOTHING; width * height];
+    for &a in order {
+        let [x, _, z] = positions[a as usize].map(f64::from);
         let center = [(x - min[0]) * scale[0], (max[1] - z) * scale[1]];
-        let shade = shade(
-            water.speeds.get(a).copied().unwrap_or(f32::NAN),
-            water.top_speed,
-        );
         let columns = covered(center[0], radius[0], width);
         for row in covered(center[1], radius[1], height) {
             let dz = (row as f64 + 0.5 - center[1]) / radius[1];
             for column in columns.clone() {
                 let dx = (column as f64 + 0.5 - center[0]) / radius[0];
                 if !is_disc || dx * dx + dz * dz <= 1.0 {
-                    pixels[row * width + column] = shade;
+                    nearest[row * width + column] = a;
                 }
             }
         }
     }
-    pixels
+    nearest
 }
 
 /// Particle numbers, those far from the viewer (large y) first; in the given order where equally far.
-fn far_to_near(positions: &[[f32; 3]]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..positions.len()).collect();
-    order.sort_by(|&a, &b| positions[b][1].total_cmp(&positions[a][1]));
+fn far_to_near(positions: &[[f32; 3]]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_by(|&a, &b| {
+        let y = |a: u32| positions[a as usize][1];
+        y(b).total_cmp(&y(a))
+    });
     order
 }
 
@@ -212,5 +243,47 @@ mod tests {
                 .iter()
                 .all(|&pixel| pixel == CLEAR)
         );
+    }
+
+    #[test]
+    fn particles_that_are_not_seen_change_no_pixel() {
+        // 20 layers behind each other, each a little off the one before it, so that some show between those in front
+        let positions: Vec<[f32; 3]> = (0..20 * 32)
+            .map(|i| {
+                let (layer, k) = (i / 32, i % 32);
+                let off = (layer * 7 % 11) as f32 / 20.0;
+                let [x, z] = [(k % 8) as f32 / 2.0, (k / 8) as f32 / 2.0];
+                [x + off, layer as f32, z + off * off]
+            })
+            .collect();
+        let speeds: Vec<f32> = (0..positions.len()).map(|i| i as f32 / 320.0).collect();
+        let windows = [8, 25, 90].map(|width| Window {
+            width,
+            height: width / 2,
+            ..WINDOW
+        });
+        let is_seen = is_seen(&positions, 0.5, windows.into_iter());
+        let n_seen = is_seen.iter().filter(|&&is_seen| is_seen).count();
+        assert!(
+            n_seen < positions.len() / 2,
+            "{n_seen} of {}",
+            positions.len()
+        );
+        let mut shown = is_seen.iter();
+        let mut kept: Vec<_> = positions.iter().copied().zip(speeds.clone()).collect();
+        kept.retain(|_| shown.next() == Some(&true));
+        let (near, their_speeds): (Vec<_>, Vec<_>) = kept.into_iter().unzip();
+        for window in windows {
+            let of = |positions: &[[f32; 3]], speeds: &[f32]| {
+                let water = Water {
+                    positions,
+                    speeds,
+                    spacing: 0.5,
+                    top_speed: 2.0,
+                };
+                pixels(water, window)
+            };
+            assert_eq!(of(&near, &their_speeds), of(&positions, &speeds));
+        }
     }
 }

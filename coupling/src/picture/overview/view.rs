@@ -23,6 +23,9 @@ const BYTES_PER_CORNER: usize = 10;
 const LEAST_BUDGET: usize = 60_000;
 /// Image pixels per pixel of the page, finest first; the first within the budget is used.
 pub(super) const RESOLUTIONS: [f64; 5] = [2.0, 1.5, 1.0, 0.7, 0.5];
+/// Panels of a run that ends by itself: start, middle and end.
+const USUAL: usize = 3;
+
 /// Layout of the panels.
 struct Layout {
     panels: Vec<Frame>,
@@ -39,6 +42,24 @@ pub(super) struct Image {
     pub spacing: f64,
     /// Size limit of images and outlines; bytes.
     pub budget: usize,
+}
+
+/// Drops the particles behind others, which no picture of the snapshot shows: in space that is most of them.
+pub(in crate::picture) fn keep_seen(
+    snapshot: &mut Snapshot,
+    view: ([f64; 2], [f64; 2]),
+    spacing: f64,
+) {
+    let layout = Layout::new(0.0, USUAL, view);
+    let windows = (layout.panels.first().into_iter())
+        .flat_map(|&frame| RESOLUTIONS.map(|resolution| layout.window(frame, resolution)));
+    let is_seen = raster::is_seen(&snapshot.positions, spacing, windows);
+    let mut shown = is_seen.iter();
+    (snapshot.positions).retain(|_| shown.next() == Some(&true));
+    let mut shown = is_seen.iter();
+    snapshot.speeds.retain(|_| shown.next() == Some(&true));
+    snapshot.positions.shrink_to_fit();
+    snapshot.speeds.shrink_to_fit();
 }
 
 /// Draws all snapshots from `y` down, within the corners of a view and with a label of its horizontal axis; returns the next vertical

@@ -90,15 +90,23 @@ impl Interface {
             blocks,
             motion,
         };
-        let of_chunks: Vec<Vec<Penetration>> = (self.chunks.par_iter().enumerate())
-            .map(|(chunk, touches)| sweep.of_chunk(chunk, touches))
+        let n_chunks = fluid.particles().len().div_ceil(CHUNK);
+        let of_chunks: Vec<Vec<Penetration>> = (0..n_chunks)
+            .into_par_iter()
+            .map(|chunk| sweep.of_chunk(chunk))
             .collect();
         of_chunks.concat()
     }
 }
 
 impl Sweep<'_> {
-    fn of_chunk(&self, chunk: usize, touches: &[WallContact]) -> Vec<Penetration> {
+    fn of_chunk(&self, chunk: usize) -> Vec<Penetration> {
+        let velocity = &self.fluid.particles().velocity;
+        let particles = chunk * CHUNK..velocity.len().min((chunk + 1) * CHUNK);
+        let touches = &self.walls.touches;
+        let [first, end] = [particles.start, particles.end]
+            .map(|a| touches.partition_point(|touch| (touch.particle as usize) < a));
+        let touches = &touches[first..end];
         let standoff = self.walls.settings.standoff;
         let mut found = Vec::new();
         for of_one in touches.chunk_by(|a, b| a.particle == b.particle) {
@@ -110,8 +118,6 @@ impl Sweep<'_> {
         if self.fluid.drift_speed() * self.motion.dt <= standoff {
             return found;
         }
-        let velocity = &self.fluid.particles().velocity;
-        let particles = chunk * CHUNK..velocity.len().min((chunk + 1) * CHUNK);
         let is_fast = |&a: &usize| standoff < velocity[a].norm() * self.motion.dt;
         for a in particles.filter(is_fast) {
             if touches
