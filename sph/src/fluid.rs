@@ -21,6 +21,7 @@ mod evaluate;
 pub mod exchange;
 mod packing;
 pub(crate) mod porosity;
+pub(crate) mod rates;
 pub mod sample;
 pub(crate) mod scratch;
 mod shifting;

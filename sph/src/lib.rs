@@ -85,6 +85,7 @@ pub mod kernel;
 pub mod neighbors;
 pub mod particles;
 pub mod preset;
+mod repeated;
 pub mod rheology;
 pub mod scheme;
 pub mod settings;

@@ -13,6 +13,7 @@ pub struct Particles {
     /// Velocity; written by kicks and by sorting; m/s.
     pub velocity: Vec<Vec3>,
     /// Mass, which never changes; sorting moves it; kg.
+    #[serde(with = "crate::repeated")]
     pub mass: Vec<f64>,
     /// Density, of the mass of water per volume, that of grains between it included; written by the evaluation, or taken on in
     /// time; kg/m³.
@@ -24,6 +25,7 @@ pub struct Particles {
     /// The viscous part of `acceleration`; for the energy ledger; m/s².
     pub viscous_acceleration: Vec<[f32; 3]>,
     /// Number of its flow law, which never changes; sorting moves it.
+    #[serde(with = "crate::repeated")]
     pub kind: Vec<u8>,
     /// Rate of shear `γ̇`; written by the evaluation, empty where viscosity does not vary; 1/s.
     pub shear_rate: Vec<f64>,

@@ -136,6 +136,7 @@ impl Fluid {
         boundary.ended(Phase::Integration);
         self.sorted(boundary)?;
         boundary.place(self, Stage::Midpoint, dt);
+        self.open_rates();
         if self.is_shared() {
             self.update_rates_of(Flow::Water);
             boundary.density_rates(self);
@@ -149,6 +150,7 @@ impl Fluid {
         self.update_bulk_pressure();
         self.book_bulk(0.5 * dt);
         self.advance_density(dt);
+        self.close_rates();
         boundary.ended(Phase::Density);
         self.drift(0.5 * dt);
         boundary.ended(Phase::Integration);

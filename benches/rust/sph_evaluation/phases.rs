@@ -82,6 +82,7 @@ impl Boundary for Held<'_> {
 impl Tank {
     pub fn rates(&mut self, seconds: &mut Seconds) {
         let Self { fluid, walls } = self;
+        fluid.open_rates();
         timed(&mut seconds.rates, || fluid.update_rates());
         timed(&mut seconds.finding, || walls.find_wet(fluid));
         timed(&mut seconds.wall_rates, || walls.add_rates(fluid));
@@ -89,6 +90,7 @@ impl Tank {
 
     pub fn forces(&mut self, seconds: &mut Seconds) -> Result<(), FluidError> {
         let Self { fluid, walls } = self;
+        fluid.close_rates();
         timed(&mut seconds.pressure, || fluid.update_pressure())?;
         timed(&mut seconds.finding, || walls.find_wet(fluid));
         timed(&mut seconds.extrapolation, || walls.extrapolate(fluid));
@@ -130,13 +132,19 @@ impl Tank {
             timed_least(&mut sorting, || {
                 self.fluid.refresh();
             });
+            self.fluid.open_rates();
             timed_least(&mut first, || self.fluid.update_rates());
             timed_least(&mut next, || self.fluid.update_rates());
+            self.fluid.close_rates();
         }
+        self.fluid.open_rates();
+        self.fluid.update_rates();
+        let advancing = fastest(|| self.fluid.advance_density(0.0));
+        self.fluid.close_rates();
         Beside {
             sorting,
             listing: first - next,
-            advancing: fastest(|| self.fluid.advance_density(0.0)),
+            advancing,
             kick: fastest(|| self.fluid.kick(0.0)),
             drift: fastest(|| self.fluid.drift(0.0)),
         }

@@ -73,6 +73,15 @@ pub struct WallContact {
     pub normal: Vec3,
     /// Foot point on the surface; m.
     pub point: Vec3,
+}
+
+/// Action of a body on a particle at it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpringForce {
+    /// Index of the particle in the present order.
+    pub particle: u32,
+    /// Block that acts.
+    pub block: u32,
     /// Force on the particle; N.
     pub force: Vec3,
     /// Velocity of the wall at the foot point; m/s.
@@ -99,7 +108,7 @@ pub struct Penetration {
 }
 
 /// Chunks of particles whose touches are found before they are put in a row: memory for these only, and enough for many threads.
-const PART: usize = 128;
+const PART: usize = 64;
 
 /// Penalty walls of all blocks, with the search for their particles.
 #[derive(Clone, Debug)]
@@ -123,6 +132,8 @@ pub struct Interface {
     chunks: Vec<Vec<WallContact>>,
     /// In order of particle.
     touches: Vec<WallContact>,
+    /// In the same order.
+    forces: Vec<SpringForce>,
     loads: Vec<Load>,
     /// Shear part of the loads.
     shears: Vec<Load>,
@@ -169,6 +180,7 @@ impl Interface {
             moving: PartTable::default(),
             chunks: Vec::new(),
             touches: Vec::new(),
+            forces: Vec::new(),
             loads: vec![Load::default(); blocks.n_blocks()],
             shears: vec![Load::default(); blocks.n_blocks()],
             stretches: vec![Matrix3::zeros(); blocks.n_blocks()],
@@ -179,7 +191,12 @@ impl Interface {
 
     /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
-        let forces = (&self.touches, &self.compliance, self.most_touched);
+        // without forces, what is touched is found anew before anything reads it
+        let touches = match self.acts() {
+            true => self.touches.as_slice(),
+            false => &[],
+        };
+        let forces = (touches, &self.forces, &self.compliance, self.most_touched);
         let loads = (&self.loads, &self.shears, &self.stretches);
         postcard::to_extend(&(forces, loads), out)
     }
@@ -189,7 +206,12 @@ impl Interface {
         let n = self.loads.len();
         let (forces, loads, rest);
         ((forces, loads), rest) = postcard::take_from_bytes(bytes)?;
-        (self.touches, self.compliance, self.most_touched) = forces;
+        (
+            self.touches,
+            self.forces,
+            self.compliance,
+            self.most_touched,
+        ) = forces;
         (self.loads, self.shears, self.stretches) = loads;
         let lengths = [
             self.compliance.len(),
@@ -197,11 +219,19 @@ impl Interface {
             self.shears.len(),
             self.stretches.len(),
         ];
-        let is_known = |touch: &WallContact| (touch.block as usize) < n;
-        match lengths.iter().all(|&length| length == n) && self.touches.iter().all(is_known) {
+        let mut named = self.touches.iter().map(|touch| touch.block);
+        let mut acting = self.forces.iter().map(|force| force.block);
+        let is_known = |block: u32| (block as usize) < n;
+        let are_known = named.all(is_known) && acting.all(is_known);
+        match lengths.iter().all(|&length| length == n) && are_known {
             true => Ok(rest),
             false => Err(postcard::Error::DeserializeBadEncoding),
         }
+    }
+
+    /// Whether there are springs or dashpots.
+    fn acts(&self) -> bool {
+        0.0 < self.settings.stiffness || 0.0 < self.settings.damping
     }
 
     /// Numbers of the wall.
@@ -220,9 +250,14 @@ impl Interface {
         load
     }
 
-    /// Particles within the standoff of a body, with their forces since [`Self::update_forces`].
+    /// Particles within the standoff of a body.
     pub fn touches(&self) -> &[WallContact] {
         &self.touches
+    }
+
+    /// Forces on them since [`Self::update_forces`]; empty without springs and dashpots.
+    pub fn forces(&self) -> &[SpringForce] {
+        &self.forces
     }
 
     /// Force and moment of the fluid on every block; N, N m about the centroid.
@@ -533,25 +568,35 @@ impl Interface {
         self.compliance.fill(0.0);
         let of_one = self.touches.chunk_by(|a, b| a.particle == b.particle);
         self.most_touched = of_one.map(<[WallContact]>::len).max().unwrap_or(1) as f64;
-        for touch in &mut self.touches {
+        self.forces.clear();
+        let acts = self.acts();
+        for touch in &self.touches {
             let block = touch.block as usize;
-            touch.wall_velocity = if held {
-                Vec3::zeros()
-            } else {
-                blocks.velocity_at(block, &touch.point)
+            self.compliance[block] += blocks.compliance(block, &touch.point, &touch.normal);
+            if !acts {
+                continue;
+            }
+            let wall_velocity = match held {
+                true => Vec3::zeros(),
+                false => blocks.velocity_at(block, &touch.point),
             };
             let velocity = fluid.particles().velocity[touch.particle as usize];
-            let approach = (velocity - touch.wall_velocity).dot(&touch.normal);
+            let approach = (velocity - wall_velocity).dot(&touch.normal);
             let spring = stiffness * (standoff - touch.distance);
-            let force = (spring - damping * approach).max(0.0);
-            touch.force = touch.normal * force;
-            // the spring stores −K d v_n; the rest of the power of the force is dissipated
-            touch.dissipated_power = (spring - force) * approach;
+            let size = (spring - damping * approach).max(0.0);
+            let force = touch.normal * size;
+            self.forces.push(SpringForce {
+                particle: touch.particle,
+                block: touch.block,
+                force,
+                wall_velocity,
+                // the spring stores −K d v_n; the rest of the power of the force is dissipated
+                dissipated_power: (spring - size) * approach,
+            });
             let arm = touch.point - blocks.centroid(block);
-            self.loads[block].add(&-touch.force, &arm);
-            let moment = touch.force * arm.transpose();
+            self.loads[block].add(&-force, &arm);
+            let moment = force * arm.transpose();
             self.stretches[block] -= (moment + moment.transpose()) * 0.5;
-            self.compliance[block] += blocks.compliance(block, &touch.point, &touch.normal);
         }
         for block in 0..self.loads.len() {
             self.loads[block] = self.in_plane(self.loads[block]);
@@ -600,9 +645,9 @@ impl Interface {
 
     /// The forces on particles, in order of particle.
     pub fn particle_forces(&self) -> impl Iterator<Item = ParticleForce> {
-        self.touches.iter().map(|touch| ParticleForce {
-            particle: touch.particle,
-            force: touch.force,
+        self.forces.iter().map(|on| ParticleForce {
+            particle: on.particle,
+            force: on.force,
         })
     }
 
@@ -717,9 +762,6 @@ fn add_nearest(
         distance: surface.distance,
         normal: surface.normal,
         point: surface.point,
-        force: Vec3::zeros(),
-        wall_velocity: Vec3::zeros(),
-        dissipated_power: 0.0,
     };
     match touches[first..]
         .iter_mut()
@@ -766,9 +808,6 @@ mod tests {
                 distance: -0.002,
                 normal: Vec3::z(),
                 point: Vec3::new(0.806, y, 0.0),
-                force: Vec3::zeros(),
-                wall_velocity: Vec3::zeros(),
-                dissipated_power: 0.0,
             };
             let at = (&x, &Vec3::zeros());
             let (_, way) =

@@ -237,19 +237,18 @@ impl Ledger {
         let mut power = 0.0;
         let mut work = 0.0;
         let mut impulse = Vec3::zeros();
-        for touch in interface.touches() {
-            power += touch.dissipated_power;
-            let block = touch.block as usize;
-            if !blocks.is_free(block) {
-                work += touch.force.dot(&touch.wall_velocity);
-                impulse += touch.force;
+        for on in interface.forces() {
+            power += on.dissipated_power;
+            if !blocks.is_free(on.block as usize) {
+                work += on.force.dot(&on.wall_velocity);
+                impulse += on.force;
             } else {
                 // the transverse load taken by a slab
                 let felt = Load {
-                    force: touch.force,
+                    force: on.force,
                     ..Load::default()
                 };
-                impulse += touch.force - interface.in_plane(felt).force;
+                impulse += on.force - interface.in_plane(felt).force;
             }
         }
         if let Some(walls) = walls {

@@ -153,11 +153,21 @@ struct Continued {
     moment: [f64; 3],
 }
 
+impl Continued {
+    /// Pressure of a point on which gravity pulls like this (m/s²), Pa; `None` without fluid near it.
+    fn pressure(&self, pull: Vec3) -> Option<f64> {
+        let pressure = (self.pressure + pull.dot(&Vec3::from(self.moment))) / self.weight;
+        // a wall does not pull
+        (0.0 < self.weight).then(|| pressure.max(0.0))
+    }
+}
+
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     rates: Vec<Rate>,
     forces: Vec<ForceDensity>,
     extrapolated: Vec<Extrapolated>,
+    /// Of the points updated, where they may be accelerated.
     continued: Vec<Continued>,
     /// Slopes of the added mass of the points, where they were asked for; see [`Extrapolated::slope`].
     slopes: Vec<[f64; 3]>,
@@ -532,11 +542,7 @@ impl WallParticles {
             rates.resize(near.len(), Rate::default());
             wall_sums::rates(fluid, self.neighborhood(fluid), near, &mut rates);
             for (&a, rate) in near.chosen().iter().zip(&rates) {
-                let sum = &mut of_particles[a as usize];
-                sum.flow += rate.flow;
-                sum.by_walls += rate.flow;
-                sum.n_found += rate.n_found;
-                sum.crowding += rate.crowding;
+                of_particles.add_walls(a as usize, rate);
             }
         }
         fluid.scratch.rates = of_particles;
@@ -581,12 +587,16 @@ impl WallParticles {
         let mut continued = std::mem::take(&mut self.scratch.continued);
         let mut slopes = std::mem::take(&mut self.scratch.slopes);
         let mut seen_velocity = std::mem::take(&mut self.seen_velocity);
+        let mut pressure = std::mem::take(&mut self.pressure);
         continued.clear();
         slopes.clear();
         seen_velocity.clear();
         seen_velocity.extend_from_slice(&self.velocity);
         if self.slip.sticks() {
             seen_velocity.resize(self.position.len(), Vec3::zeros());
+        }
+        if !self.wet.is_partial {
+            pressure.fill(0.0);
         }
         for near in self.near_particles(fluid).parts() {
             extrapolated.resize(near.len(), Extrapolated::default());
@@ -597,50 +607,53 @@ impl WallParticles {
                     let beside = Vec3::from(sum.velocity) / sum.weight;
                     seen_velocity[w] = known(&self.velocity, w) * 2.0 - beside;
                 }
-                continued.push(Continued {
+                let sums = Continued {
                     weight: sum.weight,
                     pressure: sum.pressure,
                     moment: sum.moment,
-                });
+                };
+                if let Some(p) = sums.pressure(self.pull(fluid, w)) {
+                    pressure[w] = p;
+                }
                 if SLOPED {
+                    continued.push(sums);
                     slopes.push(sum.slope);
                 }
             }
         }
         self.known_at = fluid.changes_of_rest();
+        self.pressure = pressure;
         self.seen_velocity = seen_velocity;
         self.scratch.extrapolated = extrapolated;
         self.scratch.continued = continued;
         self.scratch.slopes = slopes;
-        self.press(fluid);
+        self.pack_forces(fluid);
     }
 
     /// Adds to the acceleration (m/s²) of wet points and continues the pressure again; after
-    /// [`Self::extrapolate`].
+    /// [`Self::extrapolate_with_added_mass`].
     pub fn accelerate(&mut self, fluid: &Fluid, more: impl Fn(usize) -> Vec3) {
         self.velocity.resize(self.position.len(), Vec3::zeros());
         self.acceleration.resize(self.position.len(), Vec3::zeros());
         for &w in self.wet.updated() {
             self.acceleration[w as usize] += more(w as usize);
         }
-        self.press(fluid);
+        for (&w, sums) in self.wet.updated().iter().zip(&self.scratch.continued) {
+            let w = w as usize;
+            if let Some(pressure) = sums.pressure(self.pull(fluid, w)) {
+                self.pressure[w] = pressure;
+            }
+        }
+        self.pack_forces(fluid);
     }
 
-    /// Pressure of every point from the sums over the fluid and its acceleration.
-    fn press(&mut self, fluid: &Fluid) {
-        if !self.wet.is_partial {
-            self.pressure.fill(0.0);
-        }
-        for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.continued) {
-            if sum.weight <= 0.0 {
-                continue;
-            }
-            let w = w as usize;
-            let pull = fluid.settings.gravity - known(&self.acceleration, w);
-            let pressure = (sum.pressure + pull.dot(&Vec3::from(sum.moment))) / sum.weight;
-            // a wall does not pull
-            self.pressure[w] = pressure.max(0.0);
-        }
+    /// Gravity as a point with its acceleration feels it; m/s².
+    fn pull(&self, fluid: &Fluid, w: usize) -> Vec3 {
+        fluid.settings.gravity - known(&self.acceleration, w)
+    }
+
+    /// Packs velocities seen, pressures and volumes for the sums.
+    fn pack_forces(&mut self, fluid: &Fluid) {
         let (order, volume) = (&self.wet.all, &self.volume);
         let (seen_velocity, pressure) = (&self.seen_velocity, &self.pressure);
         self.points.pack(

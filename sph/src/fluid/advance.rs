@@ -170,27 +170,30 @@ impl Fluid {
             porosity,
             ..
         } = &mut self.particles;
+        if self.scratch.rates.len() != density.len() {
+            // a run continued with another stepping has none before its first evaluation
+            return Compression::default();
+        }
         let state = &self.state;
         let porosity = |a: usize| porosity.get(a).copied().unwrap_or(1.0);
         let n_dimensions = self.settings.dimensions.count();
         let still = Still::of(self.sleep.as_deref());
-        let alone = &self.scratch.water_alone;
+        let (rates, alone) = (&self.scratch.rates, &self.scratch.water_alone);
         let changes = &mut self.scratch.changes;
         changes.resize(density.len().div_ceil(CHUNK), Compression::default());
         density
             .par_chunks_mut(CHUNK)
             .zip(mass.par_chunks(CHUNK))
-            .zip(self.scratch.rates.par_chunks(CHUNK))
             .zip(changes.par_iter_mut())
             .enumerate()
-            .for_each(|(chunk, (((density, mass), rates), booked))| {
+            .for_each(|(chunk, ((density, mass), booked))| {
                 *booked = Compression::default();
                 if still.has(chunk) {
                     return;
                 }
-                let each = density.iter_mut().zip(mass).zip(rates);
-                for (a, ((density, mass), rate)) in (chunk * CHUNK..).zip(each) {
-                    let porosity = porosity(a);
+                let each = density.iter_mut().zip(mass);
+                for (a, (density, mass)) in (chunk * CHUNK..).zip(each) {
+                    let (rate, porosity) = (rates.of(a), porosity(a));
                     if rate.n_found <= FEWEST_NEIGHBORS {
                         booked.diffusive_loss += mass * state.specific_energy(*density / porosity);
                         *density = state.reference_density * porosity;
@@ -209,12 +212,10 @@ impl Fluid {
                     let slope =
                         mass * state.pressure(middle / porosity) * porosity / (middle * middle);
                     booked.diffusive_loss -= slope * diffusion * dt;
-                    let by_walls = match alone.get(a) {
-                        None => rate.by_walls,
-                        Some(alone) => alone.by_walls,
-                    };
+                    let by_all_walls = rates.by_walls(a);
+                    let by_walls = alone.get(a).map_or(by_all_walls, |alone| alone.by_walls);
                     booked.by_walls += slope * by_walls / porosity * dt;
-                    booked.by_walls_on_grains += slope * (rate.by_walls - by_walls) / porosity * dt;
+                    booked.by_walls_on_grains += slope * (by_all_walls - by_walls) / porosity * dt;
                     booked.withheld += slope * withheld * dt;
                     *density += change;
                 }

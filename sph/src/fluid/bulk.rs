@@ -36,14 +36,15 @@ impl Fluid {
         } = &mut self.particles;
         bulk_pressure.resize(density.len(), 0.0);
         let still = Still::of(self.sleep.as_deref());
+        let rates = &self.scratch.rates;
         bulk_pressure
             .par_chunks_mut(CHUNK)
             .zip(density.par_chunks(CHUNK))
-            .zip(self.scratch.rates.par_chunks(CHUNK))
             .enumerate()
             .filter(|(chunk, _)| !still.has(*chunk))
-            .for_each(|(_, ((pressure, density), rates))| {
-                for ((q, rho), rate) in pressure.iter_mut().zip(density).zip(rates) {
+            .for_each(|(chunk, (pressure, density))| {
+                for (a, (q, rho)) in (chunk * CHUNK..).zip(pressure.iter_mut().zip(density)) {
+                    let rate = rates.of(a);
                     // a drop has no pressure
                     *q = if rate.n_found <= FEWEST_NEIGHBORS {
                         0.0
@@ -89,10 +90,13 @@ impl Fluid {
             ..
         } = &self.particles;
         let rates = &self.scratch.rates;
+        if rates.len() != density.len() {
+            return;
+        }
         // against all compression, and against the part that walls make
         let power = fixed_order_sum(bulk_pressure.len(), |a| {
             let factor = mass[a] * bulk_pressure[a] / (density[a] * density[a]);
-            factor * Vector2::new(rates[a].flow, rates[a].by_walls)
+            factor * Vector2::new(rates.of(a).flow, rates.by_walls(a))
         });
         self.bulk_loss += power.x * dt;
         self.from_walls += power.y * dt;

@@ -6,8 +6,9 @@
 use postcard::Error;
 use serde::{Serialize, Serializer};
 
+use crate::fluid::rates::Rates;
 use crate::fluid::sleep::Sleep;
-use crate::neighbors::points::Places;
+use crate::neighbors::points::{Frame, Places};
 use crate::particles::Particles;
 use crate::{Fluid, Vec3};
 
@@ -47,9 +48,9 @@ impl Fluid {
             thin_solids: _,
             skin,
             // constants
+            frame,
             settings: _,
             state: _,
-            frame: _,
             rheologies: _,
             particle_volume: _,
             lattice_sum: _,
@@ -59,7 +60,15 @@ impl Fluid {
         let out = postcard::to_extend(particles, out)?;
         let out = postcard::to_extend(grid.starts(), out)?;
         let listed = lists.made_from().filter(|_| self.is_sorted());
-        let listed = listed.map(|(places, radius)| (Quanta(places), radius));
+        let positions = &particles.position;
+        let listed = listed.map(|(places, radius)| {
+            let way = Way {
+                positions,
+                places,
+                frame,
+            };
+            (way, radius)
+        });
         let out = postcard::to_extend(&listed, out)?;
         let losses = (viscous_loss, bulk_loss, diffusive_loss, withheld_loss);
         let energies = (losses, (from_walls, from_walls_by_grains));
@@ -67,10 +76,8 @@ impl Fluid {
         let rest = (moved, skin, max_speed, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
         // the next step starts with these
-        let rates = match self.settings.scheme.stepping.rates_with_forces() {
-            true => scratch.rates.as_slice(),
-            false => &[],
-        };
+        let keeps = self.settings.scheme.stepping.rates_with_forces();
+        let rates = keeps.then_some(&scratch.rates);
         postcard::to_extend(&(&scratch.pushes, rates, sleep), out)
     }
 
@@ -117,7 +124,9 @@ impl Fluid {
         (self.from_walls, self.from_walls_by_grains) = from_walls;
         (self.removed, self.plane_force, self.reflected) = momenta;
         let (last, bytes) = postcard::take_from_bytes(bytes)?;
-        (self.scratch.pushes, self.scratch.rates, self.sleep) = last;
+        let rates: Option<Rates>;
+        (self.scratch.pushes, rates, self.sleep) = last;
+        self.scratch.rates = rates.unwrap_or_default();
         let is_of_these = |sleep: &Sleep| sleep.is_of(&self.grid, n) && self.are_near(&sleep.home);
         if !self.sleep.as_deref().is_none_or(is_of_these) {
             return bad;
@@ -126,14 +135,19 @@ impl Fluid {
             sleep.find_still();
         }
         let are_known = self.scratch.pushes.iter().all(|&(a, _)| (a as usize) < n);
-        if !are_known || ![0, n].contains(&self.scratch.rates.len()) {
+        let rates = &self.scratch.rates;
+        if !are_known || !rates.is_whole() || ![0, n].contains(&rates.len()) {
             return bad;
         }
         self.lists.forget();
-        if let Some((places, radius)) = listed {
+        if let Some((mut places, radius)) = listed {
             let is_within = radius <= self.settings.support_radius() + self.skin();
             if places.len() != n || !is_within {
                 return bad;
+            }
+            for (quanta, x) in places.iter_mut().zip(&self.particles.position) {
+                let now = self.frame.place(x).quanta;
+                *quanta = std::array::from_fn(|axis| now[axis].wrapping_add(quanta[axis]));
             }
             self.list_within(radius, Places::from_quanta(&places));
         }
@@ -149,11 +163,20 @@ impl Fluid {
     }
 }
 
-/// Places as they are saved, particle by particle.
-struct Quanta<'a>(&'a Places);
+/// Places as they are saved, particle by particle: from where they are now, as they have not moved far.
+struct Way<'a> {
+    /// m.
+    positions: &'a [Vec3],
+    places: &'a Places,
+    frame: &'a Frame,
+}
 
-impl Serialize for Quanta<'_> {
+impl Serialize for Way<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.0.iter())
+        let both = self.places.iter().zip(self.positions);
+        serializer.collect_seq(both.map(|(then, x)| {
+            let now = self.frame.place(x).quanta;
+            [0, 1, 2].map(|axis: usize| then[axis].wrapping_sub(now[axis]))
+        }))
     }
 }

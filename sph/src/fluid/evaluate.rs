@@ -6,6 +6,7 @@ use crate::fluid::porosity::Flow;
 use crate::fluid::sums;
 use crate::neighbors::rest::Still;
 use crate::scheme::{DensityDiffusion, DensityMethod};
+use crate::terms::continuity::Rate;
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Fluid, FluidError, Particles, Vec3};
 
@@ -47,9 +48,11 @@ impl Fluid {
     /// Adds rates of density; kg/(m³ s), one per particle named.
     pub fn add_density_rates(&mut self, rates: impl Iterator<Item = (u32, f64)>) {
         for (particle, rate) in rates {
-            let sum = &mut self.scratch.rates[particle as usize];
-            sum.flow += rate;
-            sum.by_walls += rate;
+            let rate = Rate {
+                flow: rate,
+                ..Rate::default()
+            };
+            self.scratch.rates.add_walls(particle as usize, &rate);
         }
     }
 

@@ -111,9 +111,10 @@ impl Fluid {
         if carried.is_empty() {
             return;
         }
-        let rates = (&self.scratch.rates, &self.scratch.water_alone);
-        let all = (carried, density, rates.0, rates.1).into_par_iter();
-        all.for_each(|(carried, density, rate, alone)| {
+        let rates = &self.scratch.rates;
+        let all = (carried, density, &self.scratch.water_alone).into_par_iter();
+        all.enumerate().for_each(|(a, (carried, density, alone))| {
+            let rate = rates.of(a);
             if rate.n_found <= FEWEST_NEIGHBORS {
                 *carried = *density;
                 return;
@@ -168,9 +169,9 @@ impl Fluid {
         let (rates, density) = (&self.scratch.rates, &self.particles.density);
         let kept = &mut self.scratch.water_alone;
         kept.clear();
-        kept.extend(rates.iter().zip(density).map(|(rate, rho)| WaterAlone {
-            compression: rate.flow / rho,
-            by_walls: rate.by_walls,
+        kept.extend(density.iter().enumerate().map(|(a, rho)| WaterAlone {
+            compression: rates.of(a).flow / rho,
+            by_walls: rates.by_walls(a),
         }));
     }
 
@@ -184,18 +185,8 @@ impl Fluid {
 
     /// Turns rates of the density of water into those of the density that particles carry.
     pub(crate) fn share_rates(&mut self) {
-        let porosity = &self.particles.porosity;
-        if porosity.is_empty() {
-            return;
+        if self.is_shared() {
+            self.scratch.rates.scale(&self.particles.porosity);
         }
-        let rates = self.scratch.rates.par_chunks_mut(CHUNK);
-        rates
-            .zip(porosity.par_chunks(CHUNK))
-            .for_each(|(rates, porosity)| {
-                for (rate, share) in rates.iter_mut().zip(porosity) {
-                    rate.flow *= share;
-                    rate.diffusion *= share;
-                }
-            });
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::fluid::advance::Compression;
+use crate::fluid::rates::Rates;
 use crate::fluid::viscous_unknowns::ViscousUnknowns;
 use crate::neighbors::sweep::AnyPoints;
 use crate::terms::concentration::Concentration;
@@ -21,12 +22,15 @@ pub(crate) struct WaterAlone {
 /// Memory that is written before it is read in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
+    /// Cells of a sort, then ids in their new order; and numbers of neighbors, see [`Fluid::open_rates`](crate::Fluid::open_rates).
     pub(super) cell: Vec<u32>,
     pub(super) order: Vec<u32>,
     pub(crate) points: AnyPoints,
     /// Packed points for the sums of rates, if water may sleep: kept from step to step, apart from those for forces.
     pub(crate) flow: AnyPoints,
-    pub(crate) rates: Vec<Rate>,
+    pub(crate) rates: Rates,
+    /// Rates of density of a part of the particles.
+    pub(crate) rate_sums: Vec<Rate>,
     /// Densities of the water itself, where grains share its volume; kg/m³.
     pub(crate) water_densities: Vec<f64>,
     /// Fluxes of water and these grains together; m/s.

@@ -670,7 +670,7 @@ impl Fluid {
     /// Prevents sleeping particles from being treated as drops, which have hardly a neighbor.
     pub(crate) fn hold_rates(&mut self) {
         if let Some(sleep) = &self.sleep {
-            sleep.hold(&mut self.scratch.rates, |rate| rate.n_found = u32::MAX);
+            sleep.hold(self.scratch.rates.n_found_mut(), |n| *n = u32::MAX);
         }
     }
 
@@ -772,7 +772,7 @@ mod tests {
         assert!(0 < fluid.n_awake() && fluid.n_awake() < n / 2);
         let (mut n_held, mut n_left) = (0, 0);
         for a in 0..n {
-            let (rate, expected) = (&fluid.scratch.rates[a], &awake.scratch.rates[a]);
+            let (rate, expected) = (fluid.scratch.rates.of(a), awake.scratch.rates.of(a));
             let acceleration = fluid.particles.acceleration[a];
             if fluid.is_awake(a) {
                 // the same neighbors in the same order

@@ -17,7 +17,7 @@ use crate::terms::sums::{
     Drags, FluidForces, FluidPairs, Formula, Neighborhood, Setup, Shearing, occlusion, run_term,
 };
 
-/// Chunks of particles whose forces are summed before they become accelerations: memory for these only, and enough for many
+/// Chunks of particles whose rates or forces are summed before they are put to use: memory for these only, and enough for many
 /// threads.
 const PART: usize = 128;
 
@@ -245,24 +245,67 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
     n_found - fluid.particles.len() as u64
 }
 
-/// Rates of density in the fluid; returns the number of ordered pairs.
+/// Rates of density in the fluid, part by part; returns the number of ordered pairs.
 pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
-    let n_found = sum_into(
-        fluid,
-        Packed::Flow,
-        |scratch| &mut scratch.rates,
-        |fluid, setup, out| {
-            let rates = Rates {
-                own: RateOwn {
-                    velocity: fluid.fluxes(),
-                    density: fluid.water_densities(),
-                },
-                gradients: &fluid.scratch.extra,
-            };
-            within(setup, &rates, out)
-        },
-    );
+    let mut points = std::mem::take(fluid.flow_points());
+    fluid.pack_flow(&mut points);
+    let mut all = std::mem::take(&mut fluid.scratch.rate_sums);
+    let mut rates = std::mem::take(&mut fluid.scratch.rates);
+    rates.begin(fluid.particles.len());
+    let mut n_found = 0;
+    by_parts(fluid, &mut all, |fluid, part, out| {
+        let formula = Rates {
+            own: RateOwn {
+                velocity: fluid.fluxes(),
+                density: fluid.water_densities(),
+            },
+            gradients: &fluid.scratch.extra,
+        };
+        n_found += within(&part.of(fluid.to_everyone(&points)), &formula, out);
+        rates.write(part.n_chunks, out, Still::of(fluid.sleep.as_deref()));
+    });
+    fluid.scratch.rates = rates;
+    fluid.scratch.rate_sums = all;
+    *fluid.flow_points() = points;
     n_found - fluid.n_receivers()
+}
+
+/// Part of the particles, in chunks.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Chunks before it.
+    n_chunks: usize,
+    /// Number of particles in it.
+    n: usize,
+}
+
+impl Part {
+    /// The part of a sum for all.
+    fn of<'a>(&self, setup: Setup<'a>) -> Setup<'a> {
+        Setup {
+            receivers: setup.receivers.part(self.n_chunks, self.n),
+            ..setup
+        }
+    }
+}
+
+/// A sum for all particles, part by part into a column as long as a part.
+fn by_parts<O: Clone + Default>(
+    fluid: &mut Fluid,
+    column: &mut Vec<O>,
+    mut sum: impl FnMut(&mut Fluid, Part, &mut [O]),
+) {
+    fluid.list();
+    fluid.skin.count_sum();
+    let n = fluid.particles.len();
+    column.resize(n.min(PART * CHUNK), O::default());
+    for first in (0..n).step_by(PART * CHUNK) {
+        let part = Part {
+            n_chunks: first / CHUNK,
+            n: (n - first).min(PART * CHUNK),
+        };
+        sum(fluid, part, &mut column[..part.n]);
+    }
 }
 
 /// Renormalized gradients of density, packed for the sums, into the scratch.
@@ -317,15 +360,7 @@ pub(crate) fn forces(
 ) {
     let mut all = std::mem::take(&mut fluid.scratch.forces);
     let points = std::mem::take(&mut fluid.scratch.points);
-    fluid.list();
-    fluid.skin.count_sum();
-    let n = fluid.particles.len();
-    all.resize(n.min(PART * CHUNK), ForceDensity::default());
-    for first in (0..n).step_by(PART * CHUNK) {
-        let n_chunks = first / CHUNK;
-        let out = &mut all[..(n - first).min(PART * CHUNK)];
-        let mut setup = fluid.to_everyone(&points);
-        setup.receivers = setup.receivers.part(n_chunks, out.len());
+    by_parts(fluid, &mut all, |fluid, part, out| {
         let forces = FluidForces {
             own: ForceOwn {
                 velocity: &fluid.particles.velocity,
@@ -333,9 +368,9 @@ pub(crate) fn forces(
             },
             shear: fluid.shearing(),
         };
-        within(&setup, &forces, out);
-        each(fluid, n_chunks, out);
-    }
+        within(&part.of(fluid.to_everyone(&points)), &forces, out);
+        each(fluid, part.n_chunks, out);
+    });
     fluid.scratch.points = points;
     fluid.scratch.forces = all;
 }

@@ -546,6 +546,7 @@ mod tests {
     use crate::fluid::sums;
     use crate::scheme::{DensityDiffusion, Viscosity};
     use crate::simd::lanes::Portable;
+    use crate::terms::continuity::Rate;
     use crate::{Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start};
 
     const RADIUS: f64 = 0.2;
@@ -632,9 +633,13 @@ mod tests {
         let dimensions = fluid.settings.dimensions;
         let mut summed = fluid.clone();
         sums::summation(&mut summed, 1.0);
+        let of_rates = |value: fn(&Rate) -> f64| -> Vec<f64> {
+            let all = (0..scratch.rates.len()).map(|a| scratch.rates.of(a));
+            all.map(|rate| value(&rate)).collect()
+        };
         let columns = vec![
-            scratch.rates.iter().map(|r| r.flow).collect(),
-            scratch.rates.iter().map(|r| r.diffusion).collect(),
+            of_rates(|rate| rate.flow),
+            of_rates(|rate| rate.diffusion),
             scratch.forces.iter().flat_map(|f| f.pressure).collect(),
             scratch.forces.iter().flat_map(|f| f.viscous).collect(),
             scratch.gradients.iter().flatten().copied().collect(),
@@ -648,7 +653,8 @@ mod tests {
                 .collect(),
             summed.particles.density,
         ];
-        let counts = scratch.rates.iter().map(|r| r.n_found).collect();
+        let counts = (0..scratch.rates.len()).map(|a| scratch.rates.of(a).n_found);
+        let counts = counts.collect();
         Ok((columns, counts))
     }
 

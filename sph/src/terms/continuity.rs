@@ -7,15 +7,12 @@ use crate::kernel::PairKernel;
 use crate::neighbors::sweep::{Pair, Term};
 use crate::simd::lanes::{Lanes, RECORD};
 use crate::terms::{Lanes3, dot, minus, signed, splat3};
-use serde::{Deserialize, Serialize};
 
 /// Result of a rate sum.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rate {
     /// By the flow; kg/(m³ s).
     pub flow: f64,
-    /// The part of this that walls make; kg/(m³ s).
-    pub by_walls: f64,
     /// By diffusion; kg/(m³ s).
     pub diffusion: f64,
     /// Neighbors found, the particle itself among them.
@@ -109,7 +106,6 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     fn finish(&self, a: usize, [flow, diffusion, crowding]: [L; 3], n_found: u32, out: &mut Rate) {
         *out = Rate {
             flow: self.own.density[a] * flow.sum(),
-            by_walls: 0.0,
             diffusion: self.diffusion.strength() * diffusion.sum(),
             n_found,
             crowding: -crowding.sum(),

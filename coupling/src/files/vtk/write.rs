@@ -14,7 +14,7 @@ use std::path::Path;
 const BLOCK_BYTES: usize = 32 * 1024;
 
 /// Blocks that are compressed before they are written: memory for these only, and enough for many threads.
-const BLOCKS_AT_ONCE: usize = 64;
+const BLOCKS_AT_ONCE: usize = 32;
 
 /// Source note in every file; ParaView shows it in the field data.
 const SOURCE: &str = concat!("riprap ", env!("CARGO_PKG_VERSION"), "; SI units; z up");
