@@ -119,3 +119,10 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 
 /// Particles per parallel task. A constant, so that sums do not depend on the number of threads.
 pub(crate) const CHUNK: usize = 256;
+
+/// Pieces of an array, in order, that are worked on before what was found is put to use, where each is found on its own:
+/// memory for these only, and enough for all threads.
+pub fn pieces_at_once() -> usize {
+    const FOR_A_THREAD: usize = 16;
+    FOR_A_THREAD * rayon::current_num_threads()
+}

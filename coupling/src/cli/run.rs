@@ -10,6 +10,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use rayon::ThreadPoolBuilder;
+
 use super::accuracy::{self, Asked, Budget, Chosen};
 use super::report;
 use super::{
@@ -113,7 +115,7 @@ fn choose_and_run(
     (program, started): (&Program, Instant),
 ) -> Result<Exit, Exit> {
     // before the scene, whose triangles are made on all of them
-    start_threads(arguments.threads)?;
+    join_threads(arguments.threads)?;
     let overrides = overrides(arguments);
     let files = files_from(arguments.allow_outside);
     let scene = load_told(arguments, &overrides, files)?;
@@ -283,18 +285,26 @@ fn overrides(arguments: &Arguments) -> Vec<Override> {
     arguments.set.iter().cloned().chain(until).collect()
 }
 
-/// Sets the number of threads.
+/// Sets the number of threads, for commands whose runs are on other threads than this one.
 pub(super) fn start_threads(threads: Option<usize>) -> Result<(), Exit> {
-    let Some(threads) = threads else {
-        return Ok(());
-    };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global()
-        .map_err(|error| {
-            let message = format!("cannot start {threads} threads: {error}");
-            refused(Message::new(Code::UnusableArgument, message))
-        })
+    match threads {
+        None => Ok(()),
+        Some(threads) => start(ThreadPoolBuilder::new().num_threads(threads)),
+    }
+}
+
+/// Sets the number of threads, this one among them, which runs the scene. From outside each of the hundred sums of a step
+/// would be handed over to a thread, and waited for: a third of the time with some thousand particles.
+pub(super) fn join_threads(threads: Option<usize>) -> Result<(), Exit> {
+    let all = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    start(all.use_current_thread())
+}
+
+fn start(threads: ThreadPoolBuilder) -> Result<(), Exit> {
+    threads.build_global().map_err(|error| {
+        let message = format!("cannot start the threads: {error}");
+        refused(Message::new(Code::UnusableArgument, message))
+    })
 }
 
 /// Compares the result with the error budget.

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::check::wall_seconds;
-use super::run::{start_threads, wall_time};
+use super::run::{join_threads, start_threads, wall_time};
 use super::study::means;
 use super::{
     Exit, Program, checkpoint_on_signal, failed, refused, report_scene_error, say, show,
@@ -121,7 +121,7 @@ fn one_row(arguments: &Arguments, sweep: &Sweep, runs: &Path, number: usize) -> 
         );
         refused(Message::new(Code::UnusableArgument, message))
     })?;
-    start_threads(Some(arguments.threads))?;
+    join_threads(Some(arguments.threads))?;
     let (scene, planned) = sweep.scene_of(row).map_err(refused)?;
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);

@@ -19,7 +19,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
-use riprap_sph::{CellGrid, Dimensions, Fluid, Vec3};
+use riprap_sph::{CellGrid, Dimensions, Fluid, Vec3, pieces_at_once};
 use serde::{Deserialize, Serialize};
 
 use crate::saved::{Read, Saved};
@@ -106,9 +106,6 @@ pub struct Penetration {
     /// Whether it is deeper inside than walls can be trusted to hold.
     pub is_deep: bool,
 }
-
-/// Chunks of particles whose touches are found before they are put in a row: memory for these only, and enough for many threads.
-const PART: usize = 64;
 
 /// Penalty walls of all blocks, with the search for their particles.
 #[derive(Clone, Debug)]
@@ -298,15 +295,16 @@ impl Interface {
         let (settings, fixed, moving) = (&self.settings, &self.fixed, &self.moving);
         let is_near_fixed = &self.is_near_fixed;
         self.touches.clear();
-        self.chunks.resize_with(PART, Vec::new);
-        for (part, positions) in positions.chunks(PART * CHUNK).enumerate() {
+        let n_at_once = pieces_at_once();
+        self.chunks.resize_with(n_at_once, Vec::new);
+        for (part, positions) in positions.chunks(n_at_once * CHUNK).enumerate() {
             let chunks = positions.par_chunks(CHUNK).enumerate();
             self.chunks
                 .par_iter_mut()
                 .zip(chunks)
                 .for_each(|(touches, (chunk, positions))| {
                     touches.clear();
-                    let first = (part * PART + chunk) * CHUNK;
+                    let first = (part * n_at_once + chunk) * CHUNK;
                     // sleeping particles approach nothing
                     if fluid.is_still(first..first + positions.len()) {
                         return;

@@ -130,3 +130,80 @@ impl Fluid {
         rates.are_borrowed = !rates.are_borrowed;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Dimensions, FluidError, Precision, Scheme, Settings, Start};
+
+    /// A cube of water that is squeezed along x.
+    fn squeezed() -> Result<Fluid, FluidError> {
+        let settings = Settings {
+            particle_spacing: [0.1; 3],
+            smoothing_length: 0.13,
+            reference_density: 1000.0,
+            sound_speed: 30.0,
+            scheme: Scheme {
+                precision: Precision::Double,
+                bulk_viscosity: 0.1,
+                ..Scheme::artificial()
+            },
+            dimensions: Dimensions::Three,
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            time_step_factor: 0.5,
+            domain: (Vec3::zeros(), Vec3::repeat(1.0)),
+            periodic: [false; 3],
+            symmetry: [[false; 2]; 3],
+        };
+        let at = |k: usize| 0.1 * (k % 8) as f64 + 0.15;
+        let positions: Vec<Vec3> = (0..512)
+            .map(|k| Vec3::new(at(k), at(k / 8), at(k / 64)))
+            .collect();
+        let start = Start {
+            velocities: positions.iter().map(|x| Vec3::x() * (0.5 - x.x)).collect(),
+            pressures: positions.iter().map(|x| 1e4 * x.z).collect(),
+            positions,
+        };
+        let mut fluid = Fluid::new(start, settings)?;
+        fluid.refresh();
+        fluid.update_pressure()?;
+        fluid.update_accelerations();
+        Ok(fluid)
+    }
+
+    #[test]
+    fn lent_memory_changes_no_bit_and_comes_back() -> Result<(), FluidError> {
+        let (mut own, mut lent) = (squeezed()?, squeezed()?);
+        lent.open_rates();
+        assert!(lent.particles.acceleration.is_empty());
+        for fluid in [&mut own, &mut lent] {
+            fluid.update_rates();
+            fluid.add_density_rates([(7, 2.0)].into_iter());
+        }
+        for a in 0..512 {
+            let (rates, expected) = (&lent.scratch.rates, &own.scratch.rates);
+            let (rate, by_walls) = (rates.of(a), rates.by_walls(a));
+            assert_eq!(by_walls, if a == 7 { 2.0 } else { 0.0 });
+            assert_eq!(rate.flow, expected.of(a).flow);
+            // squeezed everywhere
+            assert!(0.0 < rate.flow, "{a}: {}", rate.flow);
+            assert_eq!(rate.diffusion, expected.of(a).diffusion);
+            assert_eq!(rate.crowding, expected.of(a).crowding);
+            assert_eq!(rate.n_found, expected.of(a).n_found);
+        }
+        for fluid in [&mut own, &mut lent] {
+            fluid.update_bulk_pressure();
+            fluid.advance_density(1e-3);
+        }
+        lent.close_rates();
+        assert_eq!(lent.scratch.rates.len(), 0);
+        for fluid in [&mut own, &mut lent] {
+            fluid.update_pressure()?;
+            fluid.update_accelerations();
+        }
+        assert_eq!(lent.particles.density, own.particles.density);
+        assert_eq!(lent.particles.pressure, own.particles.pressure);
+        assert_eq!(lent.particles.acceleration, own.particles.acceleration);
+        Ok(())
+    }
+}

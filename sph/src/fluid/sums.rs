@@ -1,6 +1,5 @@
 //! Sums of the fluid over itself, and the packing and listing that they need.
 
-use crate::CHUNK;
 use crate::Fluid;
 use crate::Vec3;
 use crate::fluid::scratch::Scratch;
@@ -16,10 +15,7 @@ use crate::terms::sums::formulas::{Concentrations, Densities, Gradients, Rates, 
 use crate::terms::sums::{
     Drags, FluidForces, FluidPairs, Formula, Neighborhood, Setup, Shearing, occlusion, run_term,
 };
-
-/// Chunks of particles whose rates or forces are summed before they are put to use: memory for these only, and enough for many
-/// threads.
-const PART: usize = 128;
+use crate::{CHUNK, pieces_at_once};
 
 impl Fluid {
     /// Resistance to shear within the fluid.
@@ -298,11 +294,12 @@ fn by_parts<O: Clone + Default>(
     fluid.list();
     fluid.skin.count_sum();
     let n = fluid.particles.len();
-    column.resize(n.min(PART * CHUNK), O::default());
-    for first in (0..n).step_by(PART * CHUNK) {
+    let n_at_once = n.min(pieces_at_once() * CHUNK).max(1);
+    column.resize(n_at_once, O::default());
+    for first in (0..n).step_by(n_at_once) {
         let part = Part {
             n_chunks: first / CHUNK,
-            n: (n - first).min(PART * CHUNK),
+            n: (n - first).min(n_at_once),
         };
         sum(fluid, part, &mut column[..part.n]);
     }

@@ -16,10 +16,7 @@ use crate::terms::sums::{
     Drags, Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces,
     WallPairs, run_term,
 };
-use crate::{CHUNK, Fluid, Vec3};
-
-/// Chunks of particles or points that are summed before their sums are used: memory for these only, and enough for many threads.
-const PART: usize = 64;
+use crate::{CHUNK, Fluid, Vec3, pieces_at_once};
 
 /// Particles near walls, or wall points near fluid; all of them or a part.
 #[derive(Clone, Copy)]
@@ -55,9 +52,9 @@ impl<'a> Near<'a> {
 
     /// Parts of them, one after the other.
     pub(crate) fn parts(self) -> impl Iterator<Item = Self> {
-        let n = self.all.len();
-        (0..n).step_by(PART * CHUNK).map(move |first| Self {
-            part: (first / CHUNK, (n - first).min(PART * CHUNK)),
+        let (n, n_at_once) = (self.all.len(), pieces_at_once() * CHUNK);
+        (0..n).step_by(n_at_once).map(move |first| Self {
+            part: (first / CHUNK, (n - first).min(n_at_once)),
             ..self
         })
     }

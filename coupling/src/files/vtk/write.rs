@@ -13,8 +13,8 @@ use std::path::Path;
 /// A constant, so that the bytes do not depend on the number of threads.
 const BLOCK_BYTES: usize = 32 * 1024;
 
-/// Blocks that are compressed before they are written: memory for these only, and enough for many threads.
-const BLOCKS_AT_ONCE: usize = 32;
+/// Blocks that are compressed before they are written, for each thread: memory for these only.
+const BLOCKS_FOR_A_THREAD: usize = 4;
 
 /// Source note in every file; ParaView shows it in the field data.
 const SOURCE: &str = concat!("riprap ", env!("CARGO_PKG_VERSION"), "; SI units; z up");
@@ -348,13 +348,18 @@ fn compress<T: Copy + Sync, const N: usize>(
     each: &mut dyn FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
     let in_block = BLOCK_BYTES / N;
+    let blocks_at_once = BLOCKS_FOR_A_THREAD * rayon::current_num_threads();
     let compressed = |block: &[T]| {
         let bytes: Vec<[u8; N]> = block.iter().map(|&value| to_bytes(value)).collect();
         let mut encoder = ZlibEncoder::new(Vec::with_capacity(BLOCK_BYTES), Compression::fast());
         encoder.write_all(bytes.as_flattened())?;
         encoder.finish()
     };
-    for at_once in values.chunks(BLOCKS_AT_ONCE * in_block) {
+    if rayon::current_num_threads() == 1 {
+        // the only thread may be one that waits for this file
+        return (values.chunks(in_block)).try_for_each(|block| each(&compressed(block)?));
+    }
+    for at_once in values.chunks(blocks_at_once * in_block) {
         let blocks = at_once.par_chunks(in_block).map(compressed);
         let blocks = blocks.collect::<io::Result<Vec<Vec<u8>>>>()?;
         blocks.iter().try_for_each(|block| each(block))?;
