@@ -198,12 +198,18 @@ mod tests {
     fn answer(world: &mut World, body: usize, assumed: Acceleration) -> Vec3 {
         let blocks = &world.blocks;
         let water = world.water.as_mut().unwrap();
+        let movers = Movers {
+            blocks,
+            dry: &world.bodies.dry,
+            slab_axis: water.interface.slab_axis(),
+        };
         let walls = water.walls.as_mut().unwrap();
         walls.place_at_end(blocks, Some(0.0));
         walls.find(&mut water.fluid);
         match walls {
             Walls::Particles(walls) => {
-                walls.extrapolate(&water.fluid, None);
+                // only then walls keep what a second acceleration needs
+                walls.extrapolate(&water.fluid, Some(movers));
                 walls.accelerate_all(&water.fluid, blocks, &assumed);
             }
             Walls::Integral(walls) => walls.accelerate_all(&water.fluid, blocks, &assumed),
