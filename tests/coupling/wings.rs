@@ -41,7 +41,7 @@ const SPH: &[&[&str]] = &[
     &["particles", "scheme"],
     &["kernel"],
     &["simd"],
-    &["rheology", "state_equation", "chunks", "exact_sum"],
+    &["rheology", "state_equation", "chunks", "exact_sum", "repeated"],
     &["error"],
     &["id"],
 ];

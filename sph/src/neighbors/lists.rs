@@ -103,10 +103,18 @@ enum PagePoints {
     Runs(Range<u32>),
 }
 
-/// Neighbors of a receiver in one kind of list: in 32 bits one past its last register, 23, the periodic image of the neighbors, 5,
-/// planes in which the receiver is mirrored, 3, and whether it is the last one of its receiver.
+/// Neighbors of a receiver in one kind of list.
 #[derive(Clone, Copy, Debug)]
-struct Span(u32);
+struct Span {
+    /// One past its last register of neighbors.
+    end: u32,
+    /// Periodic image of the neighbors.
+    image: u8,
+    /// Planes in which the receiver is mirrored, see [`Image::planes`](crate::neighbors::mirror::Image::planes).
+    planes: u8,
+    /// Whether it is the last one of its receiver.
+    is_last: bool,
+}
 
 /// Chunks of receivers that a sum is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -325,59 +333,25 @@ fn may_be_occluded<R>(sources: &Sources<R>, receivers: ReceiverChunk) -> bool {
 }
 
 impl Span {
-    /// Registers of a chunk: 32,000 for each of its receivers, a quarter of a million neighbors.
-    const MOST_REGISTERS: u32 = 1 << 23;
-    const LAST: u32 = 1 << 31;
-
-    /// Span up to a register of neighbors in a periodic image, of a receiver mirrored in some planes.
-    fn up_to(end: u32, image: u8, planes: u8) -> Self {
-        debug_assert!(end < Self::MOST_REGISTERS && image < 32 && planes < 8);
-        Self(end | u32::from(image) << 23 | u32::from(planes) << 28)
-    }
-
     /// The only span of a receiver without neighbors.
     fn nothing(end: u32) -> Self {
-        Self(Self::up_to(end, OWN_IMAGE, 0).0 | Self::LAST)
-    }
-
-    /// Makes it the last one of its receiver.
-    fn close(&mut self) {
-        self.0 |= Self::LAST;
-    }
-
-    /// One past its last register.
-    #[inline(always)]
-    fn end(self) -> usize {
-        (self.0 & (Self::MOST_REGISTERS - 1)) as usize
-    }
-
-    /// Periodic image of the neighbors.
-    #[inline(always)]
-    fn image(self) -> u8 {
-        (self.0 >> 23 & 31) as u8
-    }
-
-    /// Planes in which the receiver is mirrored, see [`Image::planes`](crate::neighbors::mirror::Image::planes).
-    #[inline(always)]
-    fn planes(self) -> u8 {
-        (self.0 >> 28 & 7) as u8
-    }
-
-    /// Whether it is the last one of its receiver.
-    #[inline(always)]
-    fn is_last(self) -> bool {
-        self.0 & Self::LAST != 0
+        Self {
+            end,
+            image: OWN_IMAGE,
+            planes: 0,
+            is_last: true,
+        }
     }
 
     /// Position of a receiver relative to a span; m.
     #[inline(always)]
-    fn seen_from<R>(self, sources: &Sources<R>, position: &Vec3) -> Vec3 {
+    fn seen_from<R>(&self, sources: &Sources<R>, position: &Vec3) -> Vec3 {
         let mut place = *position;
-        if 0 < self.planes() {
-            place = sources.mirrors.mirrored(self.planes(), &place);
+        if 0 < self.planes {
+            place = sources.mirrors.mirrored(self.planes, &place);
         }
-        if self.image() != OWN_IMAGE {
-            place -= sources.grid.image_shift(self.image());
+        if self.image != OWN_IMAGE {
+            place -= sources.grid.image_shift(self.image);
         }
         place
     }
@@ -440,7 +414,7 @@ where
             let mut sums = term.zero(machine);
             let mut n_found = 0;
             loop {
-                let span = spans[next];
+                let span = &spans[next];
                 while let Some(page) = pages.next_if(|page| page.first_span as usize <= next) {
                     part = match &page.points {
                         PagePoints::Part(part) => Some(part.start as usize..part.end as usize),
@@ -461,15 +435,15 @@ where
                     None => Numbers::Listed(window.ids()),
                 };
                 let mut own = own;
-                if 0 < span.planes() {
+                if 0 < span.planes {
                     // the image of the receiver uses the points themselves, see `mirror`
-                    let signs = splat3(machine, signs_in(span.planes()));
+                    let signs = splat3(machine, signs_in(span.planes));
                     own = term.mirrored(&own, &signs);
                     term.mirror(&mut sums, &signs);
                 }
                 let place = span.seen_from(sources, position);
                 let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
-                let registers = slots.of_span::<SHORT>(start..span.end());
+                let registers = slots.of_span::<SHORT>(start..span.end as usize);
                 match occlusion {
                     Some(occlusion) if OCCLUDED && occlusion.may_hide(sources.grid, &place) => {
                         let slots = registers.slots::<L>();
@@ -512,11 +486,11 @@ where
                         }
                     }
                 }
-                if 0 < span.planes() {
-                    term.mirror(&mut sums, &splat3(machine, signs_in(span.planes())));
+                if 0 < span.planes {
+                    term.mirror(&mut sums, &splat3(machine, signs_in(span.planes)));
                 }
-                start = span.end();
-                if span.is_last() {
+                start = span.end as usize;
+                if span.is_last {
                     break;
                 }
             }

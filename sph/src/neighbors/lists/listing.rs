@@ -234,7 +234,12 @@ where
                 } else {
                     slots.add::<L>(found, of.padding);
                 }
-                spans.push(Span::up_to(slots.end(), of.image, of.planes));
+                spans.push(Span {
+                    end: slots.end(),
+                    image: of.image,
+                    planes: of.planes,
+                    is_last: false,
+                });
             }
             if !has_awake {
                 spans.truncate(before.0);
@@ -245,7 +250,7 @@ where
             }
             lists.n_receivers += u64::from(before.0 < spans.len());
             match spans[before.0..].last_mut() {
-                Some(last) => last.close(),
+                Some(last) => last.is_last = true,
                 None => spans.push(Span::nothing(slots.end())),
             }
         }
