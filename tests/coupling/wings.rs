@@ -41,7 +41,13 @@ const SPH: &[&[&str]] = &[
     &["particles", "scheme"],
     &["kernel"],
     &["simd"],
-    &["rheology", "state_equation", "chunks", "exact_sum", "repeated"],
+    &[
+        "rheology",
+        "state_equation",
+        "chunks",
+        "exact_sum",
+        "repeated",
+    ],
     &["error"],
     &["id"],
 ];
