@@ -121,8 +121,10 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 pub(crate) const CHUNK: usize = 256;
 
 /// Pieces of an array, in order, that are worked on before what was found is put to use, where each is found on its own:
-/// memory for these only, and enough for all threads.
+/// memory for these only, and enough that threads seldom wait for each other.
 pub fn pieces_at_once() -> usize {
-    const FOR_A_THREAD: usize = 16;
-    FOR_A_THREAD * rayon::current_num_threads()
+    match rayon::current_num_threads() {
+        1 => 16,
+        n => 64 * n,
+    }
 }
