@@ -7,6 +7,7 @@
 
 use crate::Vec3;
 use crate::error::FluidError;
+use crate::neighbors::chords::{CLASSES, Chords, PARTS, Rows};
 
 /// Periodic directions.
 pub type Periodicity = [bool; 3];
@@ -396,6 +397,66 @@ impl CellGrid {
             }
         }
         n
+    }
+
+    /// The same runs, and a few particles more, of points one after the other: by the chords of that radius, and by the rows round
+    /// the point before where they are the same.
+    #[inline(always)]
+    pub(crate) fn runs_by_chords(
+        &self,
+        position: &Vec3,
+        chords: &Chords,
+        rows: &mut Rows,
+        runs: &mut [Run; MAX_RUNS],
+    ) -> usize {
+        let (j, class_y) = self.class(position, 1);
+        let (k, class_z) = self.class(position, 2);
+        rows.surround([j, k], |dy, dz| {
+            let (row, sy) = self.step(1, j, dy)?;
+            let (layer, sz) = self.step(2, k, dz)?;
+            Some((self.cell_at([0, row, layer]), 3 * sy + 9 * sz))
+        });
+        // farther off, points count to the outermost cells all the same
+        const FAR: f64 = 1e15;
+        let along = PARTS * (position.x - self.min.x) * self.inverse_cell_size.x;
+        let (along, count) = (along.clamp(-FAR, FAR) as i64, self.counts[0] as i64);
+        let chords = chords.of([class_y, class_z]);
+        let mut n = 0;
+        for row in rows.iter() {
+            let chord = i64::from(chords[row.place]);
+            let cell = |part: i64| part.div_euclid(PARTS as i64);
+            let (low, high) = (cell(along - chord), cell(along + chord));
+            // without a look whether there are any, which is hard to foresee
+            let mut push = |from: i64, to: i64, sx: u8| {
+                let start = self.starts[row.first + from as usize];
+                let end = self.starts[row.first + to as usize + 1];
+                runs[n] = Run {
+                    start,
+                    end,
+                    image: row.image + sx,
+                };
+                n += usize::from(start < end && 0 < chord);
+            };
+            let last = count - 1;
+            if self.periodic[0] && low < 0 {
+                push((low + count).max(0), last, 0);
+            }
+            push(low.clamp(0, last), high.clamp(0, last), 1);
+            if self.periodic[0] && count <= high {
+                push(0, (high - count).min(last), 2);
+            }
+        }
+        n
+    }
+
+    /// Cell of a position along an axis, and the part of the cell that it is in.
+    #[inline(always)]
+    fn class(&self, position: &Vec3, axis: usize) -> (usize, usize) {
+        let place = (position[axis] - self.min[axis]) * self.inverse_cell_size[axis];
+        // as a coordinate of a cell
+        let part = (CLASSES as f64 * place) as usize;
+        let part = part.min(CLASSES * self.counts[axis] - 1);
+        (part / CLASSES, part % CLASSES)
     }
 
     /// The runs of particles of one layer of cells that may be within `radius` of the vertical through a position, in a fixed

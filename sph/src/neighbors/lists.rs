@@ -29,6 +29,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::neighbors::cells::{CellGrid, OWN_IMAGE};
+use crate::neighbors::chords::Chords;
 use crate::neighbors::mirror::{Mirrors, signs_in};
 use crate::neighbors::points::{Frame, Places};
 use crate::neighbors::rest::Rest;
@@ -241,6 +242,7 @@ impl Lists {
         L::Machine: Machine,
     {
         let n_chunks = from.receivers.len().div_ceil(CHUNK);
+        let chords = Chords::new(&from.grid.cell_size(), from.reach);
         if self.chunks.len() < n_chunks {
             self.chunks.resize_with(n_chunks, ChunkLists::default);
         }
@@ -251,6 +253,7 @@ impl Lists {
                 machine.run(Listing::<L> {
                     machine,
                     from,
+                    chords: &chords,
                     first: chunk * CHUNK,
                     points,
                     limits: self.limits,
@@ -618,7 +621,7 @@ mod tests {
     /// The same fluid without lists: its particles are said to have moved too far for them.
     fn without_lists(fluid: &Fluid) -> Fluid {
         let mut fluid = fluid.clone();
-        fluid.moved = 0.6 * fluid.skin();
+        fluid.approached = 1.1 * fluid.skin();
         fluid
     }
 

@@ -7,6 +7,7 @@ use super::window::{Limits, Runs, fill_ids};
 use super::{ChunkLists, Page, PagePoints, Span, Surroundings};
 use crate::CHUNK;
 use crate::neighbors::cells::{MAX_RUNS, OWN_IMAGE, Run};
+use crate::neighbors::chords::{Chords, Rows};
 use crate::neighbors::mirror::{Image, MOST_IMAGES};
 use crate::neighbors::points::Places;
 use crate::neighbors::rest::Rest;
@@ -19,6 +20,7 @@ const ROOM: usize = 16;
 /// Memory of the making of lists, kept from chunk to chunk.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
+    rows: Rows,
     candidates: Vec<Range<u32>>,
     groups: Vec<Group>,
     /// Windows of the pages.
@@ -128,6 +130,8 @@ struct Group {
 pub(super) struct Listing<'a, L: Lanes> {
     pub machine: L::Machine,
     pub from: Surroundings<'a>,
+    /// Those of its reach.
+    pub chords: &'a Chords,
     /// First of the receivers.
     pub first: usize,
     pub points: &'a Places,
@@ -145,6 +149,7 @@ where
         let Self {
             machine,
             from,
+            chords,
             first,
             points,
             limits,
@@ -152,7 +157,7 @@ where
             lists,
         } = self;
         let receivers = first..from.receivers.len().min(first + CHUNK);
-        scratch.find_candidates(&from, receivers.clone(), limits.largest);
+        scratch.find_candidates(&from, chords, receivers.clone(), limits.largest);
         let may_be_short = scratch.find_windows::<L>(limits);
         scratch.number(&from, points);
         let is_near = |window: &PageWindow| window.runs.longest() <= LONGEST_RUN;
@@ -165,6 +170,7 @@ where
             slots,
             spans,
             ids,
+            ..
         } = scratch;
         slots.clear();
         spans.clear();
@@ -262,7 +268,13 @@ where
 impl Scratch {
     /// Finds the candidates of all receivers, group by group: no more in a group than a window holds.
     #[inline(always)]
-    fn find_candidates(&mut self, from: &Surroundings, receivers: Range<usize>, largest: usize) {
+    fn find_candidates(
+        &mut self,
+        from: &Surroundings,
+        chords: &Chords,
+        receivers: Range<usize>,
+        largest: usize,
+    ) {
         self.candidates.clear();
         self.groups.clear();
         let mut images = [Image::default(); MOST_IMAGES];
@@ -277,9 +289,8 @@ impl Scratch {
                 .mirrors
                 .images_within(&position, from.reach, &mut images);
             for image in &images[..n_images] {
-                let n_runs = from
-                    .grid
-                    .runs_within(&image.position, from.reach, &mut runs);
+                let n_runs =
+                    (from.grid).runs_by_chords(&image.position, chords, &mut self.rows, &mut runs);
                 let runs = &mut runs[..n_runs];
                 // rows that cross a periodic side have both of its images: one group for each
                 if runs.iter().any(|run| run.image != OWN_IMAGE) {
