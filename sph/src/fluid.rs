@@ -28,6 +28,7 @@ mod shifting;
 mod skin;
 pub(crate) mod sleep;
 mod sort;
+mod speeds;
 pub(crate) mod sums;
 mod surface;
 mod symmetry;
@@ -102,8 +103,12 @@ pub struct Fluid {
     sorts: u64,
     /// Farthest that particles may have moved since the last sort; m.
     pub(crate) moved: f64,
+    /// Most that the distance of two particles may have changed since the last sort; m.
+    pub(crate) approached: f64,
     /// Largest speed at the last kick; m/s.
     max_speed: f64,
+    /// Bound on the relative speed of two particles at the last kick; m/s.
+    closing_speed: f64,
     /// Ordered pairs of the last sum.
     n_pairs: u64,
     /// Products of the last implicit viscous step.
@@ -193,7 +198,9 @@ impl Fluid {
             sorts: 0,
             // nothing is sorted yet
             moved: f64::INFINITY,
+            approached: f64::INFINITY,
             max_speed: 0.0,
+            closing_speed: 0.0,
             n_pairs: 0,
             n_products: 0,
             viscous_loss: 0.0,

@@ -177,8 +177,7 @@ impl Crowd {
 
         walls.place(|w| wall_motion[w]);
         walls.find_wet(&fluid);
-        // lists of the present are made from there
-        assert_eq!(walls.sorted_at().is_empty(), !self.lists_first);
+        assert!(!walls.sorted_at().is_empty(), "they have room left");
         fluid.update_pressure().unwrap();
         walls.extrapolate(&fluid);
         fluid.update_accelerations();

@@ -33,7 +33,7 @@ const NEW: &str = run_folder::NEW_CHECKPOINT;
 
 const MAGIC: &[u8] = b"riprap checkpoint\n";
 /// Version of the file format around the state.
-const FORMAT: u32 = 10;
+const FORMAT: u32 = 11;
 /// Length of the hash at the end.
 const HASH: usize = blake3::OUT_LEN;
 

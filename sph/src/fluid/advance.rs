@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use crate::fluid::energy::fixed_order_sum;
+use crate::fluid::speeds::Speeds;
 use crate::neighbors::rest::Still;
 use crate::scheme::DensityMethod;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
@@ -62,7 +63,7 @@ impl Fluid {
         let partial = &mut self.scratch.partial;
         partial.resize(velocity.len().div_ceil(CHUNK), 0.0);
         let still = Still::of(self.sleep.as_deref());
-        let max_square = velocity
+        let speeds = velocity
             .par_chunks_mut(CHUNK)
             .zip(acceleration.par_chunks(CHUNK))
             .zip(viscous_acceleration.par_chunks(CHUNK))
@@ -73,9 +74,9 @@ impl Fluid {
                 |(chunk, ((((velocity, acceleration), viscous), mass), work))| {
                     *work = 0.0;
                     if still.has(chunk) {
-                        return 0.0;
+                        return Speeds::STILL;
                     }
-                    let mut largest = 0.0_f64;
+                    let mut speeds = Speeds::NOTHING;
                     for (((v, a), viscous), m) in
                         velocity.iter_mut().zip(acceleration).zip(viscous).zip(mass)
                     {
@@ -89,13 +90,14 @@ impl Fluid {
                         // add up to the change of kinetic energy exactly
                         let viscous = Vec3::from(viscous.map(f64::from));
                         *work += m * viscous.dot(&(before + *v)) * (0.5 * dt);
-                        largest = largest.max(v.norm_squared());
+                        speeds.include(v);
                     }
-                    largest
+                    speeds
                 },
             )
-            .reduce(|| 0.0, f64::max);
-        self.max_speed = max_square.sqrt();
+            .reduce(|| Speeds::NOTHING, Speeds::and);
+        self.max_speed = speeds.largest();
+        self.closing_speed = speeds.closing(self.settings.symmetry);
         self.viscous_loss -= partial.iter().sum::<f64>();
         self.book_pushes(dt);
     }
@@ -134,6 +136,7 @@ impl Fluid {
                 }
             });
         self.moved += self.max_speed * dt.abs();
+        self.approached += self.closing_speed * dt.abs();
     }
 
     /// Multiplies all velocities by a factor: settling only.
@@ -243,7 +246,7 @@ impl Fluid {
         *x = position;
         *v = velocity;
         // it jumped: bounds on its displacement are invalid
-        self.moved = f64::INFINITY;
+        self.forget_order();
         lost * self.particles.mass[particle]
     }
 
@@ -282,6 +285,7 @@ impl Fluid {
 
     /// Records a speed set outside of [`Self::kick`]; keeps the bound on drifts valid.
     pub(crate) fn record_speed(&mut self, speed: f64) {
+        self.closing_speed = self.closing_speed.max(self.max_speed + speed);
         self.max_speed = self.max_speed.max(speed);
     }
 }

@@ -30,7 +30,9 @@ impl Fluid {
             grid,
             lists,
             moved,
+            approached,
             max_speed,
+            closing_speed,
             n_pairs,
             viscous_loss,
             bulk_loss,
@@ -73,7 +75,8 @@ impl Fluid {
         let losses = (viscous_loss, bulk_loss, diffusive_loss, withheld_loss);
         let energies = (losses, (from_walls, from_walls_by_grains));
         let momenta = (removed, plane_force, reflected);
-        let rest = (moved, skin, max_speed, n_pairs, energies, momenta);
+        let ways = (moved, approached, max_speed, closing_speed);
+        let rest = (ways, skin, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
         // the next step starts with these
         let keeps = self.settings.scheme.stepping.rates_with_forces();
@@ -106,15 +109,14 @@ impl Fluid {
         }
         let (listed, bytes) = postcard::take_from_bytes::<Option<(Vec<[i32; 3]>, f64)>>(bytes)?;
         let (rest, bytes) = postcard::take_from_bytes(bytes)?;
-        let (energies, momenta);
+        let (ways, energies, momenta);
+        (ways, self.skin, self.n_pairs, energies, momenta) = rest;
         (
             self.moved,
-            self.skin,
+            self.approached,
             self.max_speed,
-            self.n_pairs,
-            energies,
-            momenta,
-        ) = rest;
+            self.closing_speed,
+        ) = ways;
         if !(self.skin).is_of(self.settings.support_radius(), self.widest_skin) {
             return bad;
         }

@@ -58,7 +58,9 @@ impl Fluid {
                     *x += Vec3::from(concentration.gradient).map(|g| (by * g).clamp(-most, most));
                 }
             });
-        self.moved += 3.0_f64.sqrt() * most;
+        let way = 3.0_f64.sqrt() * most;
+        self.moved += way;
+        self.approached += 2.0 * way;
     }
 }
 

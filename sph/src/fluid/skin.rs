@@ -4,9 +4,9 @@
 //! each sum adds all of their entries:
 //!
 //! ```text
-//! cost of a sum = (1 + s/H)ᵈ (1 + λ/(σ (n + 1))),   s = 2 q n        over that without a skin
+//! cost of a sum = (1 + s/H)ᵈ (1 + λ/(σ (n + 1))),   s = q n        over that without a skin
 //! ```
-//! `q` bounds the way of a particle in an interval, `σ` is the number of sums in it, both since the sort before; `λ` is the cost of
+//! `q` bounds the approach of a pair, or of a particle and a wall, in an interval, `σ` is the number of sums in it, both since the sort before; `λ` is the cost of
 //! a sort and of making lists. The skin is the one of the least cost: a result of the state alone, never of a clock.
 
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ const ROOM: f64 = 1.05;
 pub(crate) struct Skin {
     /// m.
     now: f64,
-    /// Bound on the way of a particle between two times at which a sort may be due; m.
+    /// Bound on an approach between two times at which a sort may be due; m.
     way: f64,
     /// Such times, and sums.
     looks: u32,
@@ -63,18 +63,18 @@ impl Skin {
         self.sums = self.sums.saturating_add(1);
     }
 
-    /// Chooses the skin for the next sort, before which particles moved by `moved` (m) at most, unbounded where it does not tell.
-    pub(super) fn choose(&mut self, moved: f64, (support, widest): (f64, f64), dimensions: i32) {
+    /// Chooses the skin for the next sort, before which `used` (m) at most was used up, unbounded where it does not tell.
+    pub(super) fn choose(&mut self, used: f64, (support, widest): (f64, f64), dimensions: i32) {
         let (looks, sums) = (self.looks, self.sums);
         (self.looks, self.sums) = (0, 0);
         let mut longest = f64::INFINITY;
-        if moved.is_finite() {
-            self.way = moved / f64::from(looks.max(1));
+        if used.is_finite() {
+            self.way = used / f64::from(looks.max(1));
         } else {
             // something else makes lists void: they need not hold for longer than the last ones did
             longest = f64::from(looks);
         }
-        let step = 2.0 * ROOM * self.way;
+        let step = ROOM * self.way;
         if sums == 0 || step == 0.0 {
             return;
         }
@@ -111,21 +111,21 @@ mod tests {
     const SUPPORT: f64 = 1.0;
     const WIDEST: f64 = 0.15;
 
-    /// The skin of steady flow in which particles move by `way` (m) between two looks, with five sums to two looks.
+    /// The skin of steady flow in which particles move by `way` (m), and two approach by twice that, between two looks, with five sums to two looks.
     fn steady(way: f64) -> f64 {
         let mut skin = Skin::new(SUPPORT, WIDEST);
         for _ in 0..20 {
-            let mut moved = 0.0;
-            while 2.0 * moved <= skin.now() {
+            let mut used = 0.0;
+            while used <= skin.now() {
                 skin.count_sum();
                 skin.count_sum();
                 if skin.looks.is_multiple_of(2) {
                     skin.count_sum();
                 }
-                moved += way;
+                used += 2.0 * way;
                 skin.look();
             }
-            skin.choose(moved, (SUPPORT, WIDEST), 3);
+            skin.choose(used, (SUPPORT, WIDEST), 3);
         }
         skin.now()
     }

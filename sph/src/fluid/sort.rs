@@ -24,7 +24,7 @@ impl Fluid {
 
     /// Farthest that a particle may ever be from where it was sorted; m.
     pub fn farthest_from_sort(&self) -> f64 {
-        0.5 * self.widest_skin
+        self.widest_skin
     }
 
     /// Number of sorts so far: particles keep their order while it stays the same.
@@ -37,15 +37,19 @@ impl Fluid {
         self.skin.now()
     }
 
+    /// What of the skin may have been used up since the last sort: by a pair of particles, or by one and a point of a wall; m.
+    fn used(&self) -> f64 {
+        self.approached.max(self.moved)
+    }
+
     /// Whether the last sort still holds.
     pub(crate) fn is_sorted(&self) -> bool {
-        // both of a pair may have moved
-        2.0 * self.moved <= self.skin()
+        self.used() <= self.skin()
     }
 
     /// Makes the next [`Self::refresh`] sort.
     pub(crate) fn forget_order(&mut self) {
-        self.moved = f64::INFINITY;
+        (self.moved, self.approached) = (f64::INFINITY, f64::INFINITY);
     }
 
     /// Sorts the particles by cell if they have moved far enough since the last time: then sends back those that
@@ -195,8 +199,8 @@ impl Fluid {
             Dimensions::Two { .. } => 2,
             Dimensions::Three => 3,
         };
-        (self.skin).choose(self.moved, (support, self.widest_skin), dimensions);
-        self.moved = 0.0;
+        (self.skin).choose(self.used(), (support, self.widest_skin), dimensions);
+        (self.moved, self.approached) = (0.0, 0.0);
         self.sorts += 1;
         self.find_rests();
     }

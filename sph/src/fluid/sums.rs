@@ -67,16 +67,24 @@ impl Fluid {
         if self.lists.are_made() || !self.is_sorted() {
             return;
         }
+        // what was used up since the sort, by pairs and by walls, will not be again
+        let radius = self.settings.support_radius() + self.skin() - self.approached.min(self.moved);
+        if self.reach_of_cells() < radius + self.moved {
+            return;
+        }
         let mut places = self.lists.take_places();
         places.pack(&self.frame, &self.particles.position);
-        self.list_within(self.list_radius(), places);
+        self.list_within(radius, places);
     }
 
-    /// Radius of lists made now; m.
-    pub(super) fn list_radius(&self) -> f64 {
-        // both of a pair may have moved since the sort, and will not move as far again
-        let skin = self.skin() - 2.0 * self.moved();
-        self.settings.support_radius() + skin
+    /// Farthest that cells may be searched; m.
+    fn reach_of_cells(&self) -> f64 {
+        self.settings.support_radius() + self.widest_skin
+    }
+
+    /// Farthest that what is listed within a radius, now or since the last sort, may have been sorted; m.
+    pub(super) fn list_reach(&self, radius: f64) -> f64 {
+        (radius + self.moved).min(self.reach_of_cells())
     }
 
     /// Lists for all particles at these places the others within a radius (m), up to support and skin.
@@ -93,7 +101,7 @@ impl Fluid {
                 },
                 rests: self.rests(),
                 radius,
-                reach: self.settings.support_radius() + self.skin(),
+                reach: self.list_reach(radius),
             },
             points: &places,
             lists: &mut lists,

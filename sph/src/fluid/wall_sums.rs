@@ -149,7 +149,7 @@ impl Fluid {
             receivers,
             rests: &[],
             radius,
-            reach: self.settings.support_radius() + self.skin(),
+            reach: self.list_reach(radius),
         };
         dispatch(
             self.settings.scheme.precision,
@@ -161,13 +161,9 @@ impl Fluid {
         );
     }
 
-    /// Farthest that wall points may move from where they were listed: both of a pair may move by half of what the lists
-    /// of the fluid reach beyond the support; m.
+    /// Farthest that wall points may be from where they were listed: what the particles have left of the skin; m.
     pub(crate) fn room_of_walls(&self) -> f64 {
-        let support = self.settings.support_radius();
-        let made_from = self.listed().and_then(Lists::made_from);
-        let radius = made_from.map_or_else(|| self.list_radius(), |(_, radius)| *radius);
-        0.5 * (radius - support)
+        (self.skin() - self.moved).max(0.0)
     }
 
     /// Number of the making of the lists of neighbors, where they hold.

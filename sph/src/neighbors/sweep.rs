@@ -296,7 +296,7 @@ where
             out,
             n_found: total,
         } = self;
-        let reach = sources.support_radius + 2.0 * sources.moved;
+        let reach = sources.support_radius + sources.moved;
         let radius2 = (sources.support_radius * sources.support_radius * FILTER_MARGIN) as f32;
         let mut search = Search::<L, T, OCCLUDED> {
             machine,
