@@ -302,7 +302,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         ),
         (
             &newer,
-            "is a checkpoint of format 11, and this riprap reads format 10",
+            "is a checkpoint of format 12, and this riprap reads format 11",
         ),
         (&b"solid cube"[..], "is not a checkpoint of riprap"),
     ] {
