@@ -32,7 +32,7 @@
 //! At planes of symmetry points are mirrored like the fluid: no point may be beyond one.
 //!
 //! Points keep the order of their cells, and their neighbors are listed from where they were sorted, until one of them has moved
-//! by half of what lists reach beyond the support, or the fluid is sorted after they moved.
+//! by what the particles have left of the skin, or the fluid is sorted after they moved.
 
 mod listed;
 mod slip;
