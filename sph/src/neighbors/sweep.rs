@@ -131,20 +131,25 @@ impl Occlusion<'_> {
             return found.len();
         }
         let facet = |facets: &[Facet], k: usize| facets.get(k).copied().unwrap_or(Facet::NONE);
+        let sight = self.thin_solids.sight(cell, place);
+        let is_clear = |x: &Vec3| sight.as_ref().is_some_and(|sight| sight.is_clear(x));
+        // points behind a face are seen through it only
+        let past_nothing = |facet: Facet| f64::from(u8::from(facet == Facet::NONE));
         let mut n = 0;
         for k in 0..found.len() {
             let id = found[k] as usize;
             let x = &self.positions[id];
             let share = match self.between {
+                PairKind::Particles if is_clear(x) => 1.0,
                 PairKind::Particles => self.thin_solids.visibility(cell, place, x),
-                PairKind::ParticlesAndWalls(facets) => {
-                    let facet = facet(facets, id);
-                    self.thin_solids.wall_visibility(cell, place, x, facet)
-                }
-                PairKind::WallsAndParticles(facets) => {
-                    let facet = facet(facets, a);
-                    self.thin_solids.wall_visibility(cell, x, place, facet)
-                }
+                PairKind::ParticlesAndWalls(facets) => match facet(facets, id) {
+                    facet if is_clear(x) => past_nothing(facet),
+                    facet => self.thin_solids.wall_visibility(cell, place, x, facet),
+                },
+                PairKind::WallsAndParticles(facets) => match facet(facets, a) {
+                    facet if is_clear(x) => past_nothing(facet),
+                    facet => self.thin_solids.wall_visibility(cell, x, place, facet),
+                },
             };
             if 0.0 < share {
                 found[n] = found[k];

@@ -200,6 +200,25 @@ impl ThinSolids {
         sides.filter_map(move |(face, &side)| (side == facet.side).then_some(face))
     }
 
+    /// What is in sight past the thin solids near a cell from a place in it, at a look; `None` where that takes more.
+    pub(crate) fn sight(&self, cell: usize, place: &Vec3) -> Option<Sight<'_>> {
+        let mut sight = Sight::default();
+        for solid in self.near(cell) {
+            let mut is_inside = true;
+            for plane in self.planes_of(solid).iter().filter(|p| in_front(p, place)) {
+                *sight.planes.get_mut(sight.n_planes)? = Some(plane);
+                sight.n_planes += 1;
+                is_inside = false;
+            }
+            if is_inside {
+                return None;
+            }
+            *sight.ends.get_mut(sight.n_solids)? = sight.n_planes;
+            sight.n_solids += 1;
+        }
+        Some(sight)
+    }
+
     /// Passage of the segment from `x` to `y` through a thin solid, and its entry, if any; `None` without a passage
     /// or if the entry is inside another solid.
     fn passage<'a>(
@@ -275,6 +294,35 @@ impl ThinSolids {
             _ => 0.0,
         }
     }
+}
+
+/// Faces of thin solids that a place is in front of.
+#[derive(Debug, Default)]
+pub(crate) struct Sight<'a> {
+    /// Those of all solids, one after the other.
+    planes: [Option<&'a Plane>; 24],
+    n_planes: usize,
+    /// One past the last of each solid.
+    ends: [usize; 8],
+    n_solids: usize,
+}
+
+impl Sight<'_> {
+    /// Whether every thin solid has a face that both the place and a point are in front of: no line of sight then passes any.
+    #[inline(always)]
+    pub(crate) fn is_clear(&self, point: &Vec3) -> bool {
+        let mut start = 0;
+        self.ends[..self.n_solids].iter().all(|&end| {
+            let planes = &self.planes[start..end];
+            start = end;
+            planes.iter().flatten().any(|plane| in_front(plane, point))
+        })
+    }
+}
+
+#[inline(always)]
+fn in_front((n, offset): &Plane, point: &Vec3) -> bool {
+    0.0 < n.dot(point) - offset
 }
 
 /// The plane that a point is farthest outside of, with that distance (m): below zero inside.
@@ -736,6 +784,39 @@ mod tests {
         assert!(!sees_wall(&thin_solids, &(x + aside), &(low + aside)));
         thin_solids.clear();
         assert!(!thin_solids.are_near(cell) && sees(&thin_solids, &deep));
+        Ok(())
+    }
+
+    /// What is clear at a look is what the lines of sight say, bit for bit, and most of what is in sight is.
+    #[test]
+    fn what_is_clear_at_a_look_is_in_sight() -> Result<(), crate::FluidError> {
+        let grid = grid()?;
+        let mut thin_solids = ThinSolids::default();
+        let bounds = (Vec3::repeat(-10.0), Vec3::repeat(10.0));
+        for planes in [plate(), edge()] {
+            thin_solids.add(planes.into_iter().zip(0..), bounds, &grid, 2.0);
+        }
+        let (mut n_clear, mut n_in_sight) = (0, 0);
+        for [x, y] in scattered(5000) {
+            let cell = grid.cell_of(&x);
+            let Some(sight) = thin_solids.sight(cell, &x) else {
+                continue;
+            };
+            let seen = thin_solids.visibility(cell, &x, &y);
+            n_in_sight += usize::from(seen == 1.0);
+            if !sight.is_clear(&y) {
+                continue;
+            }
+            n_clear += 1;
+            assert_eq!(seen, 1.0, "{x} {y}");
+            let behind = |facet| thin_solids.wall_visibility(cell, &x, &y, facet);
+            assert_eq!(behind(Facet::NONE), 1.0);
+            assert_eq!(behind(Facet { solid: 0, side: 4 }), 0.0);
+        }
+        assert!(
+            0 < n_clear && n_in_sight < 2 * n_clear,
+            "{n_clear} {n_in_sight}"
+        );
         Ok(())
     }
 }
