@@ -154,7 +154,7 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
     let mut world = build(&scene).unwrap();
     let volume = world.blocks.mass(0) / 2000.0;
     let weight = RHO * G * volume;
-    let (mut offs, mut angles) = ([0.0_f64; 2], [0.0_f64; 2]);
+    let (mut offs, mut most, mut angles) = ([0.0_f64; 2], [0.0_f64; 2], [0.0_f64; 2]);
     // a tenth of a second each: single samples have the sound of the start in them
     let mut sums = ([Vec3::zeros(); 2], 0.0, 0.1);
     advance(&mut world, 1.6, DURATION, |world| {
@@ -171,6 +171,10 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
                 "{:.2} s: {turned:+.2} deg, held down by {with:.1} N, {without:.1} N without joints",
                 world.time()
             );
+            if 0.2 < world.time() {
+                let off = [with, without].map(|force| (force + weight).abs() / weight);
+                most = [most[0].max(off[0]), most[1].max(off[1])];
+            }
             if 0.3 < world.time() {
                 let off = [with, without].map(|force| (force + weight) / weight / 14.0);
                 offs = [offs[0] + off[0], offs[1] + off[1]];
@@ -188,6 +192,7 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
         "{angles:?}"
     );
     // the pressure in the hollow is that of the particles at its two ends, which come and go there: measured 0.98 with a standard
-    // deviation of 0.33 in sixteen runs whose spacings differ by 4e-5 at most, in which single tenths of a second are off by 2.4 to 3.9
+    // deviation of 0.33 in sixteen runs whose spacings differ by 4e-5 at most; their worst tenths of a second 3.16 with one of 0.50
     assert!(offs[0].abs() < 2.0 && 4.0 < offs[1], "{offs:?}");
+    assert!(most[0] < 4.7 && 5.0 < most[1], "{most:?}");
 }
