@@ -98,35 +98,52 @@ impl Fluid {
     /// Sums over the particles that `is_own` says yes to: a process that has copies of its neighbors' particles leaves these out.
     pub fn particle_sums_of(&self, is_own: impl Fn(ParticleId) -> bool + Sync) -> ParticleSums {
         let Particles {
+            id, velocity, mass, ..
+        } = self.particles();
+        let n = mass.len();
+        // the mass of others is left out of all sums
+        let own = |a: usize| if is_own(id[a]) { mass[a] } else { 0.0 };
+        let [twice_kinetic, work_of_gravity, internal] = self.energy_sums(&is_own);
+        ParticleSums {
+            count: fixed_order_sum(n, |a| u64::from(is_own(id[a]))),
+            mass: ExactSum::over(n, own),
+            momentum: exact_sum::vectors_over(n, |a| velocity[a] * own(a)),
+            twice_kinetic,
+            work_of_gravity,
+            internal,
+        }
+    }
+
+    /// `Σ m v²`, `Σ m g·x` and the energy of compression of these particles; J.
+    fn energy_sums(&self, is_own: impl Fn(ParticleId) -> bool + Sync) -> [ExactSum; 3] {
+        let particles = self.particles();
+        let Particles {
             id,
             position,
             velocity,
             mass,
             ..
-        } = self.particles();
+        } = particles;
         let (gravity, state) = (self.settings().gravity, self.state_equation());
         let n = mass.len();
-        // the mass of others is left out of all sums
         let own = |a: usize| if is_own(id[a]) { mass[a] } else { 0.0 };
-        ParticleSums {
-            count: fixed_order_sum(n, |a| u64::from(is_own(id[a]))),
-            mass: ExactSum::over(n, own),
-            momentum: exact_sum::vectors_over(n, |a| velocity[a] * own(a)),
-            twice_kinetic: ExactSum::over(n, |a| own(a) * velocity[a].norm_squared()),
-            work_of_gravity: ExactSum::over(n, |a| own(a) * gravity.dot(&position[a])),
-            internal: ExactSum::over(n, |a| {
-                own(a) * state.specific_energy(self.particles().water_density(a))
+        [
+            ExactSum::over(n, |a| own(a) * velocity[a].norm_squared()),
+            ExactSum::over(n, |a| own(a) * gravity.dot(&position[a])),
+            ExactSum::over(n, |a| {
+                own(a) * state.specific_energy(particles.water_density(a))
             }),
-        }
+        ]
     }
 
     /// Energies at the current positions and velocities; J.
     pub fn energies(&self) -> Energies {
-        let sums = self.particle_sums();
+        // of all particles, and no more of their sums than these: a run asks after every step
+        let [twice_kinetic, work_of_gravity, internal] = self.energy_sums(|_| true);
         Energies {
-            kinetic: 0.5 * sums.twice_kinetic.value(),
-            potential: -sums.work_of_gravity.value(),
-            internal: sums.internal.value(),
+            kinetic: 0.5 * twice_kinetic.value(),
+            potential: -work_of_gravity.value(),
+            internal: internal.value(),
             viscous: self.viscous_loss(),
             bulk: self.bulk_loss(),
             diffusive: self.diffusive_loss(),
