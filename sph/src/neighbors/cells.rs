@@ -414,7 +414,9 @@ impl CellGrid {
         rows.surround([j, k], |dy, dz| {
             let (row, sy) = self.step(1, j, dy)?;
             let (layer, sz) = self.step(2, k, dz)?;
-            Some((self.cell_at([0, row, layer]), 3 * sy + 9 * sz))
+            let first = self.cell_at([0, row, layer]);
+            // most rows round a wall hold no water, and most round water no points of walls
+            (self.has_particles(first..first + self.counts[0])).then_some((first, 3 * sy + 9 * sz))
         });
         // farther off, points count to the outermost cells all the same
         const FAR: f64 = 1e15;
