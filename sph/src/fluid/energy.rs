@@ -103,7 +103,7 @@ impl Fluid {
         let n = mass.len();
         // the mass of others is left out of all sums
         let own = |a: usize| if is_own(id[a]) { mass[a] } else { 0.0 };
-        let [twice_kinetic, work_of_gravity, internal] = self.energy_sums(&is_own);
+        let [twice_kinetic, work_of_gravity, internal] = self.energy_sums(own);
         ParticleSums {
             count: fixed_order_sum(n, |a| u64::from(is_own(id[a]))),
             mass: ExactSum::over(n, own),
@@ -114,32 +114,28 @@ impl Fluid {
         }
     }
 
-    /// `Σ m v²`, `Σ m g·x` and the energy of compression of these particles; J.
-    fn energy_sums(&self, is_own: impl Fn(ParticleId) -> bool + Sync) -> [ExactSum; 3] {
+    /// `Σ m v²`, `Σ m g·x` and the energy of compression, with the mass `m` of each particle in kg; J.
+    fn energy_sums(&self, mass: impl Fn(usize) -> f64 + Sync) -> [ExactSum; 3] {
         let particles = self.particles();
         let Particles {
-            id,
-            position,
-            velocity,
-            mass,
-            ..
+            position, velocity, ..
         } = particles;
         let (gravity, state) = (self.settings().gravity, self.state_equation());
-        let n = mass.len();
-        let own = |a: usize| if is_own(id[a]) { mass[a] } else { 0.0 };
+        let n = particles.len();
         [
-            ExactSum::over(n, |a| own(a) * velocity[a].norm_squared()),
-            ExactSum::over(n, |a| own(a) * gravity.dot(&position[a])),
+            ExactSum::over(n, |a| mass(a) * velocity[a].norm_squared()),
+            ExactSum::over(n, |a| mass(a) * gravity.dot(&position[a])),
             ExactSum::over(n, |a| {
-                own(a) * state.specific_energy(particles.water_density(a))
+                mass(a) * state.specific_energy(particles.water_density(a))
             }),
         ]
     }
 
     /// Energies at the current positions and velocities; J.
     pub fn energies(&self) -> Energies {
-        // of all particles, and no more of their sums than these: a run asks after every step
-        let [twice_kinetic, work_of_gravity, internal] = self.energy_sums(|_| true);
+        // no more sums than these: a run asks after every step
+        let mass = &self.particles.mass;
+        let [twice_kinetic, work_of_gravity, internal] = self.energy_sums(|a| mass[a]);
         Energies {
             kinetic: 0.5 * twice_kinetic.value(),
             potential: -work_of_gravity.value(),
